@@ -87,7 +87,7 @@ static TABLE: [ForeignFormat; 39] = [
         &[b"\x89HDF\r\n\x1a\n"],
         "save the array as .npy, or the volume as NRRD or NIfTI",
     ),
-    row("the samples of a pair of files", &["img"], &[], "the header beside it (.hdr) is what is opened"),
+    row("the samples of a pair of files", &["img"], &[], "open the header beside it (.hdr)"),
     row("an E57 point cloud", &["e57"], &[b"ASTM-E57"], POINTS),
     row("a LAS point cloud", &["las", "laz"], &[b"LASF"], POINTS),
     row("a point cloud", &["xyz", "pts", "ptx", "pcd", "asc"], &[b"# .PCD "], POINTS),

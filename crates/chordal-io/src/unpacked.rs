@@ -49,7 +49,7 @@ pub fn unpacked<'a>(
         // first.
         let n_read = (bytes.len() - inflater.rest().len()) as u64;
         if cap.is_too_dense(size, n_read) {
-            let message = format!("what was read of the file so far {}", cap.too_dense(n_read));
+            let message = format!("the part of the file read so far {}", cap.too_dense(n_read));
             return Err(ReadError::new("too-dense", inflater.place(), message));
         }
         if content.capacity() - content.len() < n {

@@ -436,7 +436,7 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
     fn instance(&mut self, kind: InstanceKind) -> Result<ColladaElement, ReadError> {
         let url = self.elements.need("url")?;
         let Some(target) = local(url).map(str::to_owned) else {
-            let message = format!("what is in other files was not read, {} first", show(url.as_bytes()));
+            let message = format!("the content of other files was not read, {} first", show(url.as_bytes()));
             self.warnings.count("external-skipped", || (self.elements.place(), message));
             return Ok(ColladaElement::Skipped);
         };

@@ -250,7 +250,7 @@ fn bytes<'m>(
     let (data, start, owner) = match &object.packed {
         None => (buffer_data(model, buffer)?, start, format!("buffer {buffer}")),
         Some(packed) => match (&packed.bytes, &packed.layout) {
-            (Some(bytes), _) => (bytes.as_slice(), 0, "what it unpacks to".to_owned()),
+            (Some(bytes), _) => (bytes.as_slice(), 0, "its unpacked data".to_owned()),
             (None, layout) => {
                 // Reports a missing buffer of the compressed stream.
                 layout.map(|layout| buffer_data(model, layout.buffer)).transpose()?;
@@ -266,7 +266,7 @@ fn bytes<'m>(
     match range {
         Some(rest) => Ok(rest),
         None => {
-            let what = format!("bufferView {view} passes the {} bytes of {owner}", data.len());
+            let what = format!("bufferView {view} exceeds the {} bytes of {owner}", data.len());
             unreadable("BUFFER_VIEW_TOO_LONG", what)
         }
     }

@@ -332,7 +332,8 @@ impl<'a> AssetReader<'a> {
 
     fn charge(&mut self, bytes: u64, pointer: impl Fn() -> String) -> Result<(), ReadError> {
         let Some(left) = self.left.checked_sub(bytes) else {
-            let what = format!("what is kept passes the limits: {bytes} bytes more, {} are left", self.left);
+            let what =
+                format!("the data to keep exceeds the limits: {bytes} bytes more, {} are left", self.left);
             return Err(ReadError::new("too-large", FileLocation::Pointer(pointer()), what));
         };
         self.left = left;

@@ -90,7 +90,7 @@ fn split<'a>(bytes: &'a [u8], step: usize, report: &mut GlbWarnings) -> Result<G
             return error(
                 "GLB_CHUNK_TOO_BIG",
                 at,
-                format!("a chunk of {n} bytes passes the file's {length}"),
+                format!("a chunk of {n} bytes exceeds the file's {length}"),
             );
         }
         if n_chunks == 0 && kind != JSON_CHUNK {

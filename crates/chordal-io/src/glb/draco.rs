@@ -134,7 +134,7 @@ fn decode(
     let objects = wanted.iter().filter_map(|(accessor, _)| item(&model.accessors, Some(*accessor)));
     let n_bytes = objects.map(row_bytes).fold(0, u64::saturating_add).saturating_mul(n_points as u64);
     if n_bytes.saturating_add(12 * mesh.num_faces() as u64) > left {
-        return Err(("too-large", format!("{n_bytes} bytes of vertices pass the limits, {left} are left")));
+        return Err(("too-large", format!("{n_bytes} bytes of vertices exceed the limits, {left} are left")));
     }
     let mut rows = Vec::with_capacity(wanted.len());
     for (accessor, id) in wanted.iter().filter(|(accessor, _)| !filled.contains_key(accessor)) {

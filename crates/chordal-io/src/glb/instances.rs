@@ -57,7 +57,7 @@ pub(super) fn place(
         if count.saturating_add(scene.nodes.len() as u64) > limits.rows {
             return refused(
                 "too-many-rows",
-                format!("{count} instances pass the limit of {} nodes", limits.rows),
+                format!("{count} instances exceed the limit of {} nodes", limits.rows),
             );
         }
         for row in 0..count {

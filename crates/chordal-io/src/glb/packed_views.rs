@@ -26,7 +26,7 @@ pub(super) fn unpack(
         let refused = |code, what| ReadError::new(code, FileLocation::Pointer(pointer.clone()), what);
         let n_bytes = layout.n_bytes();
         left = left.checked_sub(n_bytes).ok_or_else(|| {
-            let what = format!("what is unpacked passes the limits: {n_bytes} bytes more, {left} are left");
+            let what = format!("the unpacked data exceeds the limits: {n_bytes} bytes more, {left} are left");
             refused("too-large", what)
         })?;
         let mut bytes = Vec::new();

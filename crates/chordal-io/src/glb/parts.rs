@@ -48,7 +48,7 @@ type VertexKey<'m> = (&'m GltfAttributes<'m>, Option<&'m [GltfAttributes<'m>]>);
 const NORMAL: &str = "NORMAL";
 
 /// The message for attributes that are left out.
-const SKIPPED: &str = "attributes that not all primitives of their mesh have in one form were skipped";
+const SKIPPED: &str = "attributes that some primitives of the mesh lack or store differently were skipped";
 
 impl<'m> PartReader<'m> {
     /// A reader for a file of which at most `left` bytes may be decoded.
@@ -113,7 +113,7 @@ impl<'m> PartReader<'m> {
     ) -> Result<(), ReadError> {
         let n_rows = 3 * n_faces as u64;
         if n_rows > self.limits.rows || draft.positions.len() as u64 + n_rows >= u64::from(u32::MAX) {
-            let what = format!("{n_rows} corners that are shaded flat pass the limit of rows");
+            let what = format!("{n_rows} corners that are shaded flat exceed the limit of rows");
             return Err(ReadError::new("too-many-rows", FileLocation::Pointer(pointer.to_owned()), what));
         }
         self.charge(n_rows * 8 * draft.row_width() as u64, pointer)?;
@@ -140,7 +140,7 @@ impl<'m> PartReader<'m> {
         });
         let n_vertices = counts.fold(0_u64, u64::saturating_add);
         if n_vertices.saturating_mul(8 * skin.n_joints as u64) > self.left / 2 {
-            let what = "weights of so many joints pass the limits and were not kept";
+            let what = "weights of so many joints exceed the limits and were not kept";
             self.report.add("skins-ignored", FileLocation::Pointer(pointer), what);
         } else {
             plan.add_skin(skin);
@@ -229,7 +229,7 @@ impl<'m> PartReader<'m> {
         // Indices can address at most 2³² − 1 positions.
         if rows.count > self.limits.rows || first as u64 + rows.count >= u64::from(u32::MAX) {
             let what = format!(
-                "{} vertices pass the limit of {}",
+                "{} vertices exceed the limit of {}",
                 rows.count,
                 self.limits.rows.min(u64::from(u32::MAX) - 1)
             );
@@ -366,7 +366,7 @@ impl<'m> PartReader<'m> {
             ));
         }
         if rows.count > self.limits.rows.saturating_mul(3) {
-            let what = format!("{} indices pass the limit of {} triangles", rows.count, self.limits.rows);
+            let what = format!("{} indices exceed the limit of {} triangles", rows.count, self.limits.rows);
             return Err(at(AccessorError { code: "too-many-rows", what }, pointer, "indices"));
         }
         self.charge(rows.count * 4, pointer)?;
@@ -403,7 +403,7 @@ impl<'m> PartReader<'m> {
             }
             None => {
                 let what =
-                    format!("what is decoded passes the limits: {n} bytes more, {} are left", self.left);
+                    format!("the decoded data exceeds the limits: {n} bytes more, {} are left", self.left);
                 Err(ReadError::new("too-large", FileLocation::Pointer(pointer.to_owned()), what))
             }
         }

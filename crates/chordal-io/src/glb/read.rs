@@ -188,7 +188,7 @@ fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
     for (key, value) in json.entries() {
         let n = value.items().map_or(0, <[_]>::len) as u64;
         if n > most {
-            let what = format!("{n} objects pass the limit of {most}");
+            let what = format!("{n} objects exceed the limit of {most}");
             return Err(ReadError::new("too-many-rows", FileLocation::Pointer(format!("/{key}")), what));
         }
     }
@@ -210,7 +210,7 @@ fn check_zeros(model: &GltfModel<'_>, limits: &Limits, quota: u64) -> Result<(),
             Some(left) if count <= limits.rows => left,
             _ => {
                 let what = format!(
-                    "{count} rows of zeros pass the limits of {} rows and {} bytes",
+                    "{count} rows of zeros exceed the limits of {} rows and {} bytes",
                     limits.rows, quota
                 );
                 return Err(ReadError::new(

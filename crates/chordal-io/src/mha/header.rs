@@ -199,7 +199,7 @@ fn count_unused(fields: &MetaFields<'_>, warnings: &mut Warnings) -> Result<(), 
     }
     let others: Vec<&MetaField<'_>> = fields.others(&KNOWN).collect();
     warnings.count_many("fields-ignored", others.len() as u64, || {
-        let message = format!("fields that say nothing of samples were not kept, '{}' first", others[0].key);
+        let message = format!("fields that do not concern samples were not kept, '{}' first", others[0].key);
         (others[0].place(), message)
     });
     Ok(())

@@ -506,7 +506,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
             (
                 looks.stroked,
                 "unsupported-stroke",
-                "strokes are not outlined: the line in their middle is what is drawn",
+                "strokes are not outlined: the line in their middle is drawn",
             ),
             (looks.marked, "unsupported-marker", "markers are not drawn"),
             (

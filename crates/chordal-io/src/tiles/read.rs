@@ -86,7 +86,8 @@ impl TilesetReader<'_, '_> {
                 Ok(())
             }
             None => {
-                let what = format!("the files of the tileset pass the limit of {} bytes", self.limits.bytes);
+                let what =
+                    format!("the files of the tileset exceed the limit of {} bytes", self.limits.bytes);
                 Err(ReadError::new("too-large", FileLocation::File, what))
             }
         }
@@ -182,7 +183,7 @@ impl TilesetReader<'_, '_> {
         }
         // A chain of files takes stack, as nesting does.
         if self.chain.len() >= MOST_FILES.min(self.limits.depth) {
-            let what = format!("tilesets in tilesets, {} deep, pass the limit", self.chain.len() + 1);
+            let what = format!("tilesets in tilesets, {} deep, exceed the limit", self.chain.len() + 1);
             return Err(ReadError::new("too-deep", place(), what));
         }
         if !self.seen.insert(path.to_owned()) {

@@ -53,7 +53,7 @@ pub(crate) fn read_scene(
                 ReadError::new("file-missing", FileLocation::File, format!("'{name}' cannot be read: {why}"))
             })?;
             left = left.checked_sub(bytes.len() as u64).ok_or_else(|| {
-                let what = format!("the files of the tileset pass the limit of {} bytes", limits.bytes);
+                let what = format!("the files of the tileset exceed the limit of {} bytes", limits.bytes);
                 ReadError::new("too-large", FileLocation::File, what)
             })?;
             let shown = content(&bytes, limits).map_err(of_tile)?;

@@ -116,7 +116,7 @@ pub(super) fn read(
     let (text, binary) = chunks(bytes)?;
     let subtree = parse(text, limits)?;
     if subtree.contents.len() > MOST_CONTENTS {
-        let what = format!("{} contents a tile pass the limit of {MOST_CONTENTS}", subtree.contents.len());
+        let what = format!("{} contents a tile exceed the limit of {MOST_CONTENTS}", subtree.contents.len());
         return Err(ReadError::new(
             "unsupported",
             FileLocation::Pointer("/contentAvailability".to_owned()),
@@ -447,6 +447,6 @@ fn stream<'b>(
     // Both ends are inside a buffer that is in memory.
     match end.and_then(|end| bytes.get(view.offset as usize..end as usize)) {
         Some(bytes) => Ok(AvailabilityBits::Stream(bytes, n)),
-        None => Err(("view-too-long", format!("buffer view {view_idx} passes the buffer's {length} bytes"))),
+        None => Err(("view-too-long", format!("buffer view {view_idx} exceeds the buffer's {length} bytes"))),
     }
 }

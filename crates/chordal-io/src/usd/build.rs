@@ -522,7 +522,8 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
     fn report(self, kept: &str, warnings: &mut Warnings) {
         let n_deletions = self.stage.layers.iter().map(|layer| layer.about.n_deletions).sum();
         if n_deletions > 0 {
-            let what = "list edits that delete were not applied: what they delete is there";
+            let what =
+                "list edits that delete were not applied: the entries that they delete are still there";
             warnings.count_all("deletions-ignored", n_deletions, what);
         }
         let n_all: u64 = self.left_out.values().map(|left_out| left_out.count).sum();

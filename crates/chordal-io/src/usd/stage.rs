@@ -118,7 +118,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
 
     /// Opens a referenced file, once.
     fn open(&mut self, from: u32, asset: &str) -> Result<Option<u32>, ReadError> {
-        let missing = "files that others refer to could not be read: what they hold is missing";
+        let missing = "files that others refer to could not be read: their content is missing";
         let from_path = self.layers[from as usize].path.clone();
         let resolved = self.files.resolve(&from_path, asset);
         let path = match resolved {

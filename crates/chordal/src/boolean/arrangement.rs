@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The engine that cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Engines {
+pub(super) enum Engine {
     FloatingPoint,
     Rational,
 }
@@ -36,7 +36,7 @@ pub(super) struct CutSurface {
 pub(super) fn combine(
     operands: &[Operand],
     ops: &[BooleanOp],
-    engine: Engines,
+    engine: Engine,
     job: &Job,
 ) -> Result<CutSurface, EngineFailure> {
     // In rare cases the engines panic on malformed input, which must not end the program.
@@ -49,12 +49,13 @@ pub(super) fn combine(
 fn combine_by_engine(
     operands: &[Operand],
     ops: &[BooleanOp],
-    engine: Engines,
+    engine: Engine,
     job: &Job,
 ) -> Result<CutSurface, EngineFailure> {
+    // `manifold-rust` calls its floating-point engine exact.
     let kind = match engine {
-        Engines::FloatingPoint => BooleanEngine::Exact,
-        Engines::Rational => BooleanEngine::Robust,
+        Engine::FloatingPoint => BooleanEngine::Exact,
+        Engine::Rational => BooleanEngine::Robust,
     };
     let mut numbered = (0..).zip(operands);
     let first = numbered.next().map_or_else(|| Ok(Manifold::empty()), |(n, first)| imported(n, first))?;
@@ -62,12 +63,12 @@ fn combine_by_engine(
         return Ok(exported(&first, operands));
     }
     let others = numbered.map(|(number, operand)| imported(number, operand));
-    let combined = in_a_row(first, others.zip(ops), kind, (job, &Job::is_cancelled))?;
+    let combined = combine_in_order(first, others.zip(ops), kind, (job, &Job::is_cancelled))?;
     Ok(exported(&combined, operands))
 }
 
 /// Combines solids from left to right until `is_over`.
-pub(super) fn in_a_row<'a>(
+pub(super) fn combine_in_order<'a>(
     first: Manifold,
     others: impl Iterator<Item = (Result<Manifold, EngineFailure>, &'a BooleanOp)>,
     kind: BooleanEngine,
@@ -96,12 +97,12 @@ pub(super) fn in_a_row<'a>(
         if is_over(job) || combined.status() == Error::Cancelled {
             return Err(EngineFailure::Cancelled);
         }
-        succeeded(&combined)?;
+        check_status(&combined)?;
     }
     Ok(combined)
 }
 
-pub(super) fn succeeded(result: &Manifold) -> Result<(), EngineFailure> {
+pub(super) fn check_status(result: &Manifold) -> Result<(), EngineFailure> {
     match result.status() {
         Error::NoError => Ok(()),
         error => Err(EngineFailure::Failed(error.to_str().to_lowercase())),
@@ -123,7 +124,7 @@ fn imported(number: u32, operand: &Operand) -> Result<Manifold, EngineFailure> {
         ..MeshGLP::default()
     };
     let imported_solid = Manifold::from_mesh_glp_robust(&mesh);
-    succeeded(&imported_solid)?;
+    check_status(&imported_solid)?;
     Ok(imported_solid)
 }
 

@@ -26,7 +26,10 @@ impl fmt::Display for BooleanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotClosed { operand, boundary_edges: 0 } => {
-                write!(f, "operand {operand} bounds no solid: not every edge is run equally often both ways")
+                write!(
+                    f,
+                    "operand {operand} bounds no solid: some edge has unequal numbers of faces in its two directions"
+                )
             }
             Self::NotClosed { operand, boundary_edges } => {
                 write!(f, "operand {operand} bounds no solid: {boundary_edges} edges have one triangle only")

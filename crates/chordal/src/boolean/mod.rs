@@ -26,7 +26,7 @@ mod unchecked;
 use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map};
 use crate::check::self_intersections;
 use crate::explicit::Mesh;
-use arrangement::{EngineFailure, Engines, combine};
+use arrangement::{Engine, EngineFailure, combine};
 use failure::BooleanError;
 use operand::Operand;
 use result::BooleanMethod;
@@ -92,10 +92,10 @@ pub struct BooleanStep<'a> {
 /// overlap. [`BooleanMesh::method`] says which was used.
 ///
 /// **Bound.** With either method the result is checked. `at_most` bounds the distance of every triangle of
-/// the result from the triangle of an operand from which it was cut, rounding included. So sides do not
-/// change farther than that from all operands' triangles, and there winding numbers of the result and of the
-/// operands, which are exact, are compared at points beside the triangles of both, at most 2,048 of them. The
-/// evidence is [`ProvedIf`](crate::Evidence::ProvedIf): no region without any of these points is wrong. The
+/// the result from the triangle of an operand from which it was cut, rounding included. Away from the
+/// operands' triangles, by more than `at_most`, no side can change within a region. There the exact winding
+/// numbers of result and operands are compared at up to 2,048 points beside the triangles of both. The
+/// evidence is [`ProvedIf`](crate::Evidence::ProvedIf): every wrong region contains one of these points. The
 /// metric is [`Solid`](crate::budget::Metric::Solid): a point farther than `at_most` from the operands'
 /// triangles is on the right side. The bound is 0 if no vertex had to be rounded. If the check finds a point
 /// on the wrong side, the evidence is [`Estimated`](crate::Evidence::Estimated).
@@ -135,7 +135,7 @@ pub fn boolean_snapped(
     let operands = par_map(job, &meshes, |number, mesh| Operand::new(number, mesh, job));
     let operands: Vec<Operand> = operands.into_iter().collect::<Result<_, _>>()?;
     let simple = operands.iter().all(|operand| operand.is_simple);
-    if simple && let Ok(mut surface) = combine(&operands, &ops, Engines::FloatingPoint, job) {
+    if simple && let Ok(mut surface) = combine(&operands, &ops, Engine::FloatingPoint, job) {
         snap(&mut surface.positions)?;
         let checked = result::checked(surface, BooleanMethod::FloatingPoint, (&operands, &ops), job)?;
         if checked.bound.evidence().bounds_above() {
@@ -143,7 +143,7 @@ pub fn boolean_snapped(
         }
     }
     check_crossings(&meshes, job)?;
-    match combine(&operands, &ops, Engines::Rational, job) {
+    match combine(&operands, &ops, Engine::Rational, job) {
         Ok(mut surface) => {
             snap(&mut surface.positions)?;
             Ok(result::checked(surface, BooleanMethod::Rational, (&operands, &ops), job)?)

@@ -1,5 +1,5 @@
 //! `boolean_unchecked`: the cuts of [`boolean()`](super::boolean()) without its checks.
-use super::arrangement::{EngineFailure, in_a_row, succeeded};
+use super::arrangement::{EngineFailure, check_status, combine_in_order};
 use super::{BooleanOp, BooleanStep, check_limits};
 use crate::budget::{Failure, Job, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
@@ -11,7 +11,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// times and checked as a whole afterwards. With a length, vertices in flat faces and on their straight edges
 /// are removed as long as the surface stays within it.
 ///
-/// Nothing is said about the distance of the result from the combined solid; it may cross itself by
+/// The distance of the result from the combined solid has no bound; the result may cross itself by
 /// roundings, and more if an operand does. Its edges have two triangles each. Vertices are distinguished by
 /// their rows: solids that touch along an edge stay two. Cost: n log n in the triangles of all operands, some
 /// microseconds each.
@@ -46,10 +46,10 @@ pub fn boolean_unchecked(
     let ops: Vec<BooleanOp> = steps.iter().map(|step| step.op).collect();
     let work = || {
         let others = steps.iter().map(|step| imported(step.mesh)).zip(&ops);
-        let solid = in_a_row(imported(first)?, others, BooleanEngine::Exact, (job, &is_ended))?;
+        let solid = combine_in_order(imported(first)?, others, BooleanEngine::Exact, (job, &is_ended))?;
         let Some(flat) = flat else { return Ok(exported(&solid)) };
         let fewer = solid.as_original().simplify(flat.get());
-        succeeded(&fewer)?;
+        check_status(&fewer)?;
         Ok(exported(&fewer))
     };
     // In rare cases the engine panics on malformed input, which must not end the program.
@@ -88,7 +88,7 @@ fn imported(mesh: &Mesh) -> Result<Manifold, EngineFailure> {
         tri_verts: mesh.faces().as_flattened().to_vec(),
         ..MeshGLP::default()
     });
-    succeeded(&solid)?;
+    check_status(&solid)?;
     Ok(solid)
 }
 

@@ -8,7 +8,7 @@ use std::fmt;
 pub enum Evidence {
     /// Proved for every case that the code can reach, rounding included.
     Proved,
-    /// Proved under assumptions that the user made, each stated in a sentence.
+    /// Proved under assumptions, each stated in a sentence: the user's, or that no region was missed.
     ProvedIf(Vec<String>),
     /// Sampled: a lower bound only.
     Measured {
@@ -55,7 +55,7 @@ impl Evidence {
     }
 }
 
-/// What a bound measures between the true shape and the result.
+/// The quantity that a bound measures between the true shape and the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     /// The larger of the two one-sided Hausdorff distances.
@@ -156,7 +156,7 @@ pub struct Bound {
     evidence: Evidence,
     /// The true shape.
     pub reference: Reference,
-    /// What is measured.
+    /// The measured quantity.
     pub metric: Metric,
     /// The point where the error is largest, as far as known.
     pub at: Option<[f64; 3]>,
@@ -164,12 +164,11 @@ pub struct Bound {
     /// bound.
     pub pixels: Option<f64>,
     /// The largest angle found between a triangle's normal and the shape's normal at its corners and in its
-    /// middle, in degrees. Set where the budget limits an angle. It is measured, whatever the evidence of the
+    /// middle, in degrees. Set if the budget limits an angle. It is measured, whatever the evidence of the
     /// distance.
     pub angle_deg: Option<f64>,
-    /// If a proof within a length was found for only a part of the result: the other places. The evidence is
-    /// then [`Evidence::Measured`], that of the weakest place; or the bound proved for the whole is larger
-    /// than that length.
+    /// The places left unproved. Either the evidence is [`Evidence::Measured`] for the whole, or the bound
+    /// proved for the whole exceeds the length that was asked for.
     pub open: Option<Box<OpenPlaces>>,
 }
 
@@ -253,7 +252,6 @@ impl Bound {
 
     /// The bound for true shape → A → B from those for true shape → A (`self`) and A → B (`next`).
     ///
-    /// Upper bounds add, rounded up, and the weaker evidence is kept; where the sum overflows there is no
     /// Upper bounds add, rounded up, and the weaker evidence is kept; if the sum overflows, there is no upper
     /// bound and the evidence is [`Evidence::Estimated`]. The lower bound follows from the triangle
     /// inequality: `at_least` of one step minus `at_most` of the other. The metric of that step must be the
@@ -368,8 +366,8 @@ impl Bound {
     }
 
     /// The bound after points of the result moved by at most `distance`. It holds for [`Metric::Solid`] too:
-    /// surfaces of the result stay within the bound of those that count, so sides change only within the sum
-    /// of both.
+    /// the moved surface lies within the sum of both lengths of the true shape's and the operands' surfaces;
+    /// farther away no side changes.
     ///
     /// ```
     /// use chordal::budget::{Bound, Reference};

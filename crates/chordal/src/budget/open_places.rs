@@ -40,7 +40,7 @@ impl fmt::Display for SurfaceContact {
             Some([a, b]) => write!(f, " (lines {a} and {b} of the script)")?,
             None => {}
         }
-        f.write_str(": let them overlap by a little more than the length, or leave as much between them")
+        f.write_str(": overlap them by slightly more than the tolerance, or separate them by as much")
     }
 }
 
@@ -54,8 +54,8 @@ impl fmt::Display for SurfaceContact {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpenPlaces {
-    /// The number of places. 0 if no place stayed open but a point was found farther away than the proof
-    /// allows: then a promise about the shape is false.
+    /// The number of places. 0 if nothing stayed open, but a point was found beyond the proved distance: a
+    /// promise about the shape is then false.
     pub count: u64,
     /// The area of their triangles.
     pub area: f64,

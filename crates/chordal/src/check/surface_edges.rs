@@ -83,18 +83,18 @@ fn near_pairs(patches: &[Patch], alone: &[PatchSideId]) -> Vec<[PatchSideId; 2]>
         .iter()
         .map(|curve| std::array::from_fn(|k| curve.control.iter().fold(0.0, |sum, p| sum + 0.25 * p[k])))
         .collect();
-    let reaches: Vec<f64> = alone.iter().map(|id| NEAR * shortest_side(&patches[id.patch])).collect();
+    let near_distances: Vec<f64> = alone.iter().map(|id| NEAR * shortest_side(&patches[id.patch])).collect();
     let tree = PointTree::new(&middles);
     let nearest: Vec<Option<usize>> = (0..alone.len())
         .map(|i| {
             // Means of control points are no farther apart than the farthest pair of control points.
-            let reach = |sign: f64| middles[i].map(|x| x + sign * reaches[i]);
-            let around = Box3 { min: reach(-1.0), max: reach(1.0) };
+            let corner = |sign: f64| middles[i].map(|x| x + sign * near_distances[i]);
+            let around = Box3 { min: corner(-1.0), max: corner(1.0) };
             let (n_seen, best) = (Cell::new(0), Cell::new(None::<(f64, usize)>));
             tree.any_in(&around, |j| {
                 let j = j as usize;
                 let distance = curve_distance(&curves[i], &curves[j]);
-                let is_near = j != i && distance <= lesser(reaches[i], reaches[j]);
+                let is_near = j != i && distance <= lesser(near_distances[i], near_distances[j]);
                 if is_near && best.get().is_none_or(|nearest| (distance, j) < nearest) {
                     best.set(Some((distance, j)));
                 }

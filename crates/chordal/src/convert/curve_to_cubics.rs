@@ -62,7 +62,7 @@ pub fn curve_to_cubics<const D: usize>(
         };
         let below = |least: f64| {
             let message = format!(
-                "the length of {:e} is less than what rounding may cost at piece {index} of the path, {least:.3e}",
+                "the tolerance {:e} is less than the possible rounding error {least:.3e} of piece {index} of the path",
                 length.get()
             );
             Failure::refused(RefusalCode::BelowPrecision, message)
@@ -118,7 +118,7 @@ pub fn curve_to_cubics<const D: usize>(
         }
         Ok(_) => {
             let message = format!(
-                "the length of {:e} is less than what rounding has cost the path already, {at_most:.3e}",
+                "the tolerance {:e} is less than the rounding already in the path, {at_most:.3e}",
                 length.get()
             );
             Err(Failure::refused(RefusalCode::BelowPrecision, message))

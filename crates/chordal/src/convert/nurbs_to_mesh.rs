@@ -143,7 +143,7 @@ fn mesh_at(
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     let below_precision = || {
-        let message = "the budget is less than what rounding may cost at this distance from the origin";
+        let message = "the budget is less than the possible rounding error at this distance from the origin";
         Failure::refused(RefusalCode::BelowPrecision, message)
     };
     let length = Tolerance::new(length).map_err(|_| below_precision())?;

@@ -168,7 +168,7 @@ impl ClosedOutlines {
     fn polyline_budget(&self, budget: &Budget, lost: f64) -> Result<Budget, Failure<Mesh>> {
         let too_small = |asked: String| {
             let message = format!(
-                "{asked} is less than what rounding to a grid may cost outlines of this size, {lost:.1e}"
+                "{asked} is less than the error {lost:.1e} of rounding outlines of this size to a grid"
             );
             Failure::refused(RefusalCode::BelowPrecision, message)
         };
@@ -318,7 +318,7 @@ fn fill_failure(error: OutlineFillError, index: usize) -> Failure<Mesh> {
         OutlineFillError::Areas => Failure::refused(
             RefusalCode::Unsupported,
             format!(
-                "the triangles of outline {index} do not have the area of what it encloses: a fault in the program"
+                "the triangles of outline {index} do not have the area that it encloses: a fault in the program"
             ),
         ),
     }

@@ -27,14 +27,14 @@ pub struct Arc<const D: usize> {
     sweep_rad: f64,
     ends: [[f64; D]; 2],
     slack: f64,
-    crown: Option<ArcCrown<D>>,
+    chord_form: Option<ChordForm<D>>,
 }
 
-/// The data of an arc of at most half an ellipse besides its ends `A` and `B`. With half its sweep `δ`,
-/// `τ = sin(δt)cos(δ(1−t))/sin δ` and `w` from the centre to its middle, its point at `t` is
+/// An arc of at most half an ellipse by its ends `A` and `B`, half its sweep `δ` and the vector `w` from the
+/// centre to its middle. With `τ = sin(δt)cos(δ(1−t))/sin δ`, its point at `t` is
 /// `(1−τ)·A + τ·B + 2 sin(δt) sin(δ(1−t))·w`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ArcCrown<const D: usize> {
+pub(super) struct ChordForm<const D: usize> {
     pub to_middle: [f64; D],
     pub half_rad: f64,
 }
@@ -59,8 +59,9 @@ impl<const D: usize> Arc<D> {
         start_rad: f64,
         sweep_rad: f64,
     ) -> Result<Self, InvalidArc> {
-        let mut arc = Self { centre, axes, start_rad, sweep_rad, ends: [centre; 2], slack: 0.0, crown: None };
-        arc.ends = [arc.round(0.0), arc.round(1.0)];
+        let mut arc =
+            Self { centre, axes, start_rad, sweep_rad, ends: [centre; 2], slack: 0.0, chord_form: None };
+        arc.ends = [arc.evaluate(0.0), arc.evaluate(1.0)];
         // The exact 2π exceeds its f64, which counts as a full turn.
         if !arc.is_finite() || start_rad.abs() > 4.0 * PI || sweep_rad.abs() > 2.0 * PI {
             return Err(InvalidArc);
@@ -68,9 +69,9 @@ impl<const D: usize> Arc<D> {
         Ok(arc)
     }
 
-    /// The same arc, given by its ends and its crown: it is at most half an ellipse.
-    pub(super) fn with_crown(self, ends: [[f64; D]; 2], crown: ArcCrown<D>) -> Self {
-        Self { ends, crown: Some(crown), ..self }
+    /// The same arc, given by its ends and its chord form: it is at most half an ellipse.
+    pub(super) fn with_chord_form(self, ends: [[f64; D]; 2], chord_form: ChordForm<D>) -> Self {
+        Self { ends, chord_form: Some(chord_form), ..self }
     }
 
     /// The same arc with `more` added to its slack.
@@ -132,23 +133,23 @@ impl<const D: usize> Arc<D> {
         } else if t == 1.0 {
             self.ends[1]
         } else {
-            self.round(t)
+            self.evaluate(t)
         }
     }
 
     /// The point at `t` by the formula, even at the ends.
-    pub(super) fn round(&self, t: f64) -> [f64; D] {
-        let Some(crown) = self.crown else {
+    pub(super) fn evaluate(&self, t: f64) -> [f64; D] {
+        let Some(form) = self.chord_form else {
             let offset = self.direction(self.start_rad + self.sweep_rad * t);
             return std::array::from_fn(|k| self.centre[k] + offset[k]);
         };
-        let half = crown.half_rad;
+        let half = form.half_rad;
         let (sin_a, cos_a) = libm::sincos(half * t);
         let (sin_b, cos_b) = libm::sincos(half * (1.0 - t));
         let sin_half = libm::sin(half);
         let (to_a, to_b, lift) = (sin_b * cos_a / sin_half, sin_a * cos_b / sin_half, 2.0 * sin_a * sin_b);
         let [a, b] = self.ends;
-        std::array::from_fn(|k| (to_a * a[k] + to_b * b[k]) + lift * crown.to_middle[k])
+        std::array::from_fn(|k| (to_a * a[k] + to_b * b[k]) + lift * form.to_middle[k])
     }
 
     /// The vector from the centre to the point at an angle.
@@ -160,7 +161,7 @@ impl<const D: usize> Arc<D> {
 
     /// The part between the parameters `a` and `b`. The derivative is in the direction of the arc.
     pub(crate) fn part_about_middle(&self, a: f64, b: f64) -> ArcPart<D> {
-        let Some(crown) = self.crown else {
+        let Some(form) = self.chord_form else {
             let middle = self.start_rad + self.sweep_rad * (0.5 * (a + b));
             let half_rad = 0.5 * (self.sweep_rad * (b - a)).abs();
             let turn = if self.sweep_rad < 0.0 { -PI / 2.0 } else { PI / 2.0 };
@@ -170,12 +171,12 @@ impl<const D: usize> Arc<D> {
                 along: self.direction(middle + turn),
             };
         };
-        let (sin, cos) = libm::sincos(crown.half_rad * ((a - 0.5) + (b - 0.5)));
-        let over = 0.5 / libm::sin(crown.half_rad);
-        let w = crown.to_middle;
+        let (sin, cos) = libm::sincos(form.half_rad * ((a - 0.5) + (b - 0.5)));
+        let over = 0.5 / libm::sin(form.half_rad);
+        let w = form.to_middle;
         let v: [f64; D] = std::array::from_fn(|k| over * (self.ends[1][k] - self.ends[0][k]));
         ArcPart {
-            half_rad: crown.half_rad * (b - a),
+            half_rad: form.half_rad * (b - a),
             to_middle: std::array::from_fn(|k| cos * w[k] + sin * v[k]),
             along: std::array::from_fn(|k| cos * v[k] - sin * w[k]),
         }
@@ -201,11 +202,11 @@ impl<const D: usize> Arc<D> {
             start_rad: self.start_rad + self.sweep_rad,
             sweep_rad: -self.sweep_rad,
             ends: [self.ends[1], self.ends[0]],
-            // The sum of the angles is rounded by half a step; the sweep turns that into a length. A crown is
-            // not rounded.
-            slack: match self.crown {
+            // The summed angle is off by half a step, which moves points by that angle times the radius. The
+            // chord form uses no angle sum.
+            slack: match self.chord_form {
                 Some(_) => self.slack,
-                None => add_up(self.slack, mul_up(16.0 * f64::EPSILON, self.reach())),
+                None => add_up(self.slack, mul_up(16.0 * f64::EPSILON, self.magnitude())),
             },
             ..*self
         }
@@ -217,7 +218,7 @@ impl<const D: usize> Arc<D> {
     pub fn bounds(&self) -> [[f64; D]; 2] {
         // The same rounding as for an evaluated point: convert/curves/chord.rs derives less than 16 half
         // steps.
-        let rounding = 16.0 * f64::EPSILON * self.reach();
+        let rounding = 16.0 * f64::EPSILON * self.magnitude();
         let [mut low, mut high] = [self.ends[0]; 2];
         let mut widen = |p: [f64; D], by: f64| {
             for k in 0..D {
@@ -232,33 +233,33 @@ impl<const D: usize> Arc<D> {
             // The secant minus 1, without cancellation.
             let sin = libm::sin(0.5 * half_rad);
             let beyond = 2.0 * sin * sin / libm::cos(half_rad);
-            let middle = self.round(0.5 * (a + b));
+            let middle = self.evaluate(0.5 * (a + b));
             widen(std::array::from_fn(|k| middle[k] + beyond * to_middle[k]), rounding);
         }
         [low, high]
     }
 
     /// The largest sum of absolute values from which a coordinate is computed.
-    fn reach(&self) -> f64 {
-        self.reaches().into_iter().fold(0.0, greater)
+    fn magnitude(&self) -> f64 {
+        self.magnitudes().into_iter().fold(0.0, greater)
     }
 
     /// For each coordinate the sum of the absolute values from which it is computed: of the centre and both
-    /// axes, or of the farther end and the crown's height.
-    pub(crate) fn reaches(&self) -> [f64; D] {
-        let Some(crown) = self.crown else {
+    /// axes, or of the farther end and the arc's height over its chord.
+    pub(crate) fn magnitudes(&self) -> [f64; D] {
+        let Some(form) = self.chord_form else {
             let [u, v] = self.axes;
             return std::array::from_fn(|k| self.centre[k].abs() + u[k].abs() + v[k].abs());
         };
-        let sin = libm::sin(0.5 * crown.half_rad);
+        let sin = libm::sin(0.5 * form.half_rad);
         let [a, b] = self.ends;
-        std::array::from_fn(|k| greater(a[k].abs(), b[k].abs()) + 2.0 * sin * sin * crown.to_middle[k].abs())
+        std::array::from_fn(|k| greater(a[k].abs(), b[k].abs()) + 2.0 * sin * sin * form.to_middle[k].abs())
     }
 
     pub(crate) fn is_finite(&self) -> bool {
         let [u, v] = self.axes;
-        let crown = self.crown.map_or([0.0; D], |crown| crown.to_middle);
-        let points = [self.centre, u, v, self.ends[0], self.ends[1], crown];
+        let to_middle = self.chord_form.map_or([0.0; D], |form| form.to_middle);
+        let points = [self.centre, u, v, self.ends[0], self.ends[1], to_middle];
         points.as_flattened().iter().chain(&[self.start_rad, self.sweep_rad]).all(|x| x.is_finite())
     }
 
@@ -267,7 +268,7 @@ impl<const D: usize> Arc<D> {
     #[must_use]
     pub fn transformed(&self, map: &AffineMap<D>) -> Self {
         let offset = map.offset.iter().fold(0.0, |sum, x| add_up(sum, x.abs()));
-        let through = add_up(mul_up(map.stretch(), mul_up(D as f64, self.reach())), offset);
+        let through = add_up(mul_up(map.stretch(), mul_up(D as f64, self.magnitude())), offset);
         // The rounding of points (`Curve::transformed`), for a centre and two axes.
         let rounding = mul_up(16.0 * (D * D) as f64 * f64::EPSILON, through);
         let slack = mul_up(map.stretch(), self.slack);
@@ -275,14 +276,14 @@ impl<const D: usize> Arc<D> {
             centre: map.point(self.centre),
             axes: self.axes.map(|axis| map.vector(axis)),
             ends: self.ends.map(|end| map.point(end)),
-            slack: if self.crown.is_some() || self.sweep_rad.abs() > PI {
+            slack: if self.chord_form.is_some() || self.sweep_rad.abs() > PI {
                 slack
             } else {
                 add_up(slack, rounding)
             },
-            crown: self
-                .crown
-                .map(|crown| ArcCrown { to_middle: map.vector(crown.to_middle), half_rad: crown.half_rad }),
+            chord_form: self
+                .chord_form
+                .map(|form| ChordForm { to_middle: map.vector(form.to_middle), half_rad: form.half_rad }),
             ..*self
         }
     }

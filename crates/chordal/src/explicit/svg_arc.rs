@@ -5,7 +5,7 @@
 //! unit circle and `|p| = sin δ`, where `δ` is half the sweep of the arc that is at most half an ellipse.
 //! With `M` the middle of the chord, and `s` from −1 to 1, that arc is `M + f·B·h + g·h`,
 //! `f = (cos sδ − cos δ)/sin δ`, `g = sin sδ/sin δ`. No term is larger than the arc, however long the radii,
-//! so such an arc is stored in this form ([`ArcCrown`]).
+//! so such an arc is stored in this form ([`ChordForm`]).
 //!
 //! *Effect of errors.* The step may be off by `2β` and the rotation by `α`. Then `p` is off by
 //! `(α|h| + β)/short radius`, which is `r` of itself, and `B·h` by `2ακ|h| + κβ`, where `κ` is the ratio of
@@ -17,7 +17,7 @@
 //! stored by its centre `M − cos δ·w`, `w = B·h/|p|`, `v = h/|p|`, where both are off by `α + 1.1r` of the
 //! longer radius.
 use super::Arc;
-use super::arc::{ArcCrown, InvalidArc};
+use super::arc::{ChordForm, InvalidArc};
 use crate::math::{DoubleDouble, add_up, greater, lesser, mul_up};
 
 /// The shape of an arc between two points, with the parameters of SVG.
@@ -222,12 +222,12 @@ impl Arc<2> {
         } else {
             shape.moved_by(step, 0.0, 2.0 * f64::EPSILON)
         };
-        let is_crown = !shape.large || height == 0.0;
-        if !is_crown {
+        let has_chord_form = !shape.large || height == 0.0;
+        if !has_chord_form {
             // Centre and angles have some thirty roundings of the numbers that they are computed from.
             let longest = greater(rx, ry);
             let rounding =
-                64.0 * f64::EPSILON * add_up(longest, arc.reaches().into_iter().fold(0.0, greater));
+                64.0 * f64::EPSILON * add_up(longest, arc.magnitudes().into_iter().fold(0.0, greater));
             let slack = add_up(turn_error, add_up(mul_up(4.0 * height_error, longest), rounding));
             return Ok(arc.with_ends([from, to]).with_more_slack(slack));
         }
@@ -239,11 +239,11 @@ impl Arc<2> {
         let bend = half_chord * libm::hypot(to_middle[0], to_middle[1]);
         let rounding = 64.0 * f64::EPSILON * half_chord * (bend + half_length);
         let slack = add_up(turn_error, add_up(2.0 * height_error * (4.4 * bend + half_length), rounding));
-        let crown = ArcCrown { to_middle, half_rad: half_sweep };
+        let chord_form = ChordForm { to_middle, half_rad: half_sweep };
         if !(half_sweep > 0.0 && slack.is_finite() && to_middle.iter().all(|x| x.is_finite())) {
             return Err(InvalidArc);
         }
-        Ok(arc.with_crown([from, to], crown).with_more_slack(slack))
+        Ok(arc.with_chord_form([from, to], chord_form).with_more_slack(slack))
     }
 }
 
@@ -283,7 +283,7 @@ mod tests {
                 );
                 // The ends of the formula are the given ends.
                 for (t, end) in [(0.0, [1.0, 2.0]), (1.0, [3.0, 1.0])] {
-                    let computed = arc.round(t);
+                    let computed = arc.evaluate(t);
                     assert!((computed[0] - end[0]).abs() + (computed[1] - end[1]).abs() < 1e-13);
                 }
             }

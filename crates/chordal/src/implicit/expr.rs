@@ -176,8 +176,8 @@ impl Expr {
         Ok(value[0])
     }
 
-    /// Whether the zero set consists of zero sets of other expressions: below signs and operations with
-    /// constants there is a minimum, a maximum or an absolute value.
+    /// Whether the expression, up to sign, constant factors and added constants, is a minimum, a maximum or an
+    /// absolute value. Its zero set then consists of zero sets of other expressions.
     pub(super) fn is_choice(&self) -> bool {
         let mut at = self;
         loop {

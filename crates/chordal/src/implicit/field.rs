@@ -94,7 +94,7 @@ impl Field {
         if distance != Distance::SIGN {
             let (outside, inside) = (distance.outside.as_str(), distance.inside.as_str());
             let sentence = format!(
-                "the value of a given field is worth what is said of it as a distance: outside {outside}, inside {inside}"
+                "as stated by the caller, the field's value is a distance: outside {outside}, inside {inside}"
             );
             self.distance_promises.add(sentence.into());
         }
@@ -117,7 +117,7 @@ impl Field {
             return self.known_bounds(roomy);
         }
         let Box3 { min, max } = bounds;
-        self.promise(format!("nothing of a given field is inside beyond the box from {min:?} to {max:?}"));
+        self.promise(format!("the field has no interior points outside the box from {min:?} to {max:?}"));
         self.known_bounds(bounds)
     }
 
@@ -134,7 +134,7 @@ impl Field {
     /// smoothly through 0, such as a maximum of planes, has the same shape and allows proofs.
     #[must_use]
     pub fn with_sign(mut self, sign: Expr) -> Self {
-        self.promise("the second expression of a given field has the sign of its value everywhere".into());
+        self.promise("the sign expression has the sign of the field's value everywhere".into());
         self.known_sign(sign)
     }
 

@@ -79,7 +79,7 @@ pub enum Binary {
 }
 
 impl Unary {
-    /// All operations, with their names in an op list.
+    /// All operations, with their names in the `.vm` text format.
     pub const ALL: [(Self, &'static str); 17] = [
         (Self::Neg, "neg"),
         (Self::Abs, "abs"),
@@ -152,7 +152,7 @@ impl Unary {
 }
 
 impl Binary {
-    /// All operations, with their names in an op list.
+    /// All operations, with their names in the `.vm` text format.
     pub const ALL: [(Self, &'static str); 14] = [
         (Self::Add, "add"),
         (Self::Sub, "sub"),

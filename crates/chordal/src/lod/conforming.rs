@@ -132,8 +132,8 @@ fn check(meshes: &[Mesh], budget: &Budget) -> Result<(), JobError> {
 const FIRST: f64 = 0.25;
 /// No length below this fraction of the extent is tried: at most 40 are. Exact: 2⁻⁴⁰.
 const SHORTEST: f64 = 1.0 / 1_099_511_627_776.0;
-/// A count that no length reaches becomes this multiple of the fewest triangles. Chosen: a smaller multiple
-/// saves few triangles for a much larger error.
+/// If no length reaches the count, aim for this multiple of the fewest triangles that were reached. Chosen: a
+/// smaller multiple saves few triangles for a much larger error.
 const NEARLY: f64 = 1.05;
 /// The ratio of the lengths that are tried for a count. Chosen: a smaller ratio tries more lengths, each of
 /// which takes time.
@@ -406,7 +406,7 @@ impl SharedVertices {
             meshes.iter().map(|mesh| vec![NONE; mesh.positions().len()]).collect();
         let mut is_fixed = Vec::new();
         for same_position in keyed_rows.chunk_by(|a, b| a.0 == b.0) {
-            // Which of two rows of a mesh another mesh shares cannot be told.
+            // If a mesh has two rows here, nobody knows which one is shared.
             let is_double = same_position.windows(2).any(|pair| pair[0].1[0] == pair[1].1[0]);
             for (at, (_, [mesh, row])) in same_position.iter().enumerate() {
                 if at == 0 || is_double {
@@ -427,7 +427,7 @@ fn shared_faces(meshes: &[Mesh], vertices: &[Vec<u32>]) -> Vec<Vec<u32>> {
             let corners = rows.map(|row| vertices[row as usize]);
             let mut sorted = corners;
             sorted.sort_unstable();
-            // Of three corners, two in their order follow each other, or the last is before the first.
+            // Whether the face visits its sorted corners in cyclic order, which gives its winding.
             let first = corners.iter().position(|corner| *corner == sorted[0]).unwrap_or(0);
             keyed_faces.push((sorted, [mesh, face], corners[(first + 1) % 3] == sorted[1]));
         }

@@ -302,10 +302,10 @@ impl EdgeCollapser {
                 continue;
             }
             let h = lesser(twin, h);
-            let Some(shrink) = self.collapse_of(h) else { continue };
-            if self.queue.is_later(shrink.cost) {
+            let Some(collapse) = self.collapse_of(h) else { continue };
+            if self.queue.is_later(collapse.cost) {
                 self.is_queued[h as usize] = true;
-                self.queue.push(shrink.cost, h);
+                self.queue.push(collapse.cost, h);
                 continue;
             }
             steps = steps.wrapping_add(1);
@@ -314,13 +314,13 @@ impl EdgeCollapser {
                 return false;
             }
             self.monitor.iter_mut().for_each(|monitor| monitor.samples.failed_at_sq = 0.0);
-            if until.share.is_none_or(|share| self.is_slight(&shrink, share, until.tolerance))
+            if until.share.is_none_or(|share| self.is_slight(&collapse, share, until.tolerance))
                 && self.satisfies_link_condition(h)
-                && self.flips_no_face(&shrink)
-                && self.stays_within_tolerance(&shrink, until)
-                && self.keeps_attributes(&shrink, until)
+                && self.flips_no_face(&collapse)
+                && self.stays_within_tolerance(&collapse, until)
+                && self.keeps_attributes(&collapse, until)
             {
-                self.apply(&shrink);
+                self.apply(&collapse);
             } else {
                 let distance_sq = self.monitor.as_ref().map_or(0.0, |monitor| monitor.samples.failed_at_sq);
                 self.refused_within[h as usize] = distance_sq.sqrt() as f32;
@@ -353,11 +353,11 @@ impl EdgeCollapser {
 
     /// Whether the mean distance of the new point from planes of the original is below a fraction of the
     /// tolerance.
-    fn is_slight(&self, shrink: &EdgeCollapse, share: f64, tolerance: &LocalTolerance) -> bool {
-        let ends = [self.surface.start[shrink.h as usize], self.surface.end(shrink.h)];
+    fn is_slight(&self, collapse: &EdgeCollapse, share: f64, tolerance: &LocalTolerance) -> bool {
+        let ends = [self.surface.start[collapse.h as usize], self.surface.end(collapse.h)];
         let [a, b] = ends.map(|v| &self.quadric[v as usize]);
         let sum = a.plus(b);
-        tolerance.holds(shrink.to, sum.at(shrink.to) / (sum.weight() * share * share))
+        tolerance.holds(collapse.to, sum.at(collapse.to) / (sum.weight() * share * share))
     }
 
     /// Prefetches the memory of edges that are popped soon, in two steps, since the second one needs the
@@ -381,23 +381,23 @@ impl EdgeCollapser {
     }
 
     /// Collects the faces around the edge and returns whether none of them would flip.
-    fn flips_no_face(&mut self, shrink: &EdgeCollapse) -> bool {
+    fn flips_no_face(&mut self, collapse: &EdgeCollapse) -> bool {
         let Self { surface, at, before, after, opposite, .. } = self;
-        let across = surface.twin[shrink.h as usize];
+        let across = surface.twin[collapse.h as usize];
         before.clear();
         after.clear();
         opposite.clear();
-        before.push(shrink.h / 3);
+        before.push(collapse.h / 3);
         if across != NONE {
             before.push(across / 3);
         }
-        for g in surface.around_edge(shrink.h) {
+        for g in surface.around_edge(collapse.h) {
             let (face, side) = (g / 3, next_in_face(g));
             let old = at[surface.start[g as usize] as usize];
             let [x, y] = [side, next_in_face(side)].map(|h| at[surface.start[h as usize] as usize]);
             let along = difference(y, x);
             let normal = cross(difference(x, old), along);
-            let now = cross(difference(x, shrink.to), along);
+            let now = cross(difference(x, collapse.to), along);
             let together = dot(normal, now);
             let (bb, nn) = (dot(normal, normal), dot(now, now));
             // A face without area has no normal to flip.
@@ -407,7 +407,7 @@ impl EdgeCollapser {
             if nn <= 0.0 {
                 return false;
             }
-            after.push((face, [shrink.to, x, y]));
+            after.push((face, [collapse.to, x, y]));
             opposite.push(side);
             before.push(face);
         }
@@ -417,8 +417,8 @@ impl EdgeCollapser {
     /// An upper bound on the distance of the feature lines that an edge's ends represent from the new point
     /// and its edges: their earlier distance, and the distance of the ends from the new edges. At a border
     /// the check of the surface's distance covers that.
-    fn feature_deviation(&self, shrink: &EdgeCollapse) -> f64 {
-        let h = shrink.h;
+    fn feature_deviation(&self, collapse: &EdgeCollapse) -> f64 {
+        let h = collapse.h;
         let across = self.surface.twin[h as usize];
         if across == NONE || !self.is_line[h as usize] {
             return 0.0;
@@ -438,8 +438,8 @@ impl EdgeCollapser {
         }
         let distance_to = |v: u32| {
             let p = self.at[v as usize];
-            let to = |w: &u32| distance_sq_to_triangle(p, [shrink.to, self.at[*w as usize], shrink.to]);
-            let start = difference(p, shrink.to);
+            let to = |w: &u32| distance_sq_to_triangle(p, [collapse.to, self.at[*w as usize], collapse.to]);
+            let start = difference(p, collapse.to);
             next.iter().map(to).fold(dot(start, start), |least, x| lesser(x, least))
         };
         let step = ends.map(distance_to);
@@ -447,39 +447,39 @@ impl EdgeCollapser {
     }
 
     /// The box around the faces that change, before and after.
-    fn changed_box(&self, shrink: &EdgeCollapse) -> Box3 {
+    fn changed_box(&self, collapse: &EdgeCollapse) -> Box3 {
         let corners = self.before.iter().flat_map(|face| self.surface.corners(*face));
-        Box3::from_points(corners.map(|v| &self.at[v as usize]).chain([&shrink.to]))
+        Box3::from_points(corners.map(|v| &self.at[v as usize]).chain([&collapse.to]))
     }
 
     /// Whether the surface stays within the tolerance of the original, as far as the monitor checks it.
-    fn stays_within_tolerance(&mut self, shrink: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
+    fn stays_within_tolerance(&mut self, collapse: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
         if until.tolerance.is_finite()
-            && !until.tolerance.holds_in_box(|| self.changed_box(shrink), self.feature_deviation(shrink))
+            && !until.tolerance.holds_in_box(|| self.changed_box(collapse), self.feature_deviation(collapse))
         {
             return false;
         }
         let Some(watch) = &mut self.monitor else { return true };
         let surface = &self.surface;
-        let ends = [surface.start[shrink.h as usize], surface.end(shrink.h)];
+        let ends = [surface.start[collapse.h as usize], surface.end(collapse.h)];
         watch.allows(
             CollapseChange {
                 before: &self.before,
                 after: &self.after,
                 opposite: &self.opposite,
                 is_closed: !ends.into_iter().any(|v| surface.is_border(v)),
-                to: shrink.to,
+                to: collapse.to,
                 surface: &self.surface,
                 at: &self.at,
-                cost: shrink.cost,
+                cost: collapse.cost,
             },
             until.tolerance,
         )
     }
 
     /// Carries out a collapse, and puts the edges around it into the queue.
-    fn apply(&mut self, shrink: &EdgeCollapse) {
-        let b = self.carry_out(shrink);
+    fn apply(&mut self, collapse: &EdgeCollapse) {
+        let b = self.carry_out(collapse);
         let first = self.surface.outgoing[b as usize];
         let mut g = first;
         loop {
@@ -499,11 +499,11 @@ impl EdgeCollapser {
     }
 
     /// Carries out a collapse; returns the remaining vertex.
-    fn carry_out(&mut self, shrink: &EdgeCollapse) -> u32 {
-        let h = shrink.h;
+    fn carry_out(&mut self, collapse: &EdgeCollapse) -> u32 {
+        let h = collapse.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
-        self.log.iter_mut().for_each(|log| log.push(PastCollapse { shrink: *shrink, ends: [a, b] }));
-        if let Some(change) = self.wedge_change(shrink)
+        self.log.iter_mut().for_each(|log| log.push(PastCollapse { collapse: *collapse, ends: [a, b] }));
+        if let Some(change) = self.wedge_change(collapse)
             && let Some(wedges) = &mut self.wedges
         {
             change.rows.iter().for_each(|(wedge, values)| wedges.set_row(*wedge, values));
@@ -513,20 +513,20 @@ impl EdgeCollapser {
             watch.samples.commit(&self.before);
         }
         for g in self.surface.around_edge(h) {
-            self.face_cost[g as usize / 3] = shrink.cost;
+            self.face_cost[g as usize / 3] = collapse.cost;
         }
-        self.feature_deviation[b as usize] = self.feature_deviation(shrink);
+        self.feature_deviation[b as usize] = self.feature_deviation(collapse);
         let sum = self.quadric[a as usize];
         self.quadric[b as usize].add(&sum);
-        if shrink.anchor != CollapseAnchor::End {
-            let from_start = shrink.anchor == CollapseAnchor::Start;
+        if collapse.anchor != CollapseAnchor::End {
+            let from_start = collapse.anchor == CollapseAnchor::Start;
             self.is_original[b as usize] = from_start && self.is_original[a as usize];
             if from_start {
                 self.kind[b as usize] = self.kind[a as usize];
                 self.source_vertex[b as usize] = self.source_vertex[a as usize];
             }
         }
-        self.at[b as usize] = shrink.to;
+        self.at[b as usize] = collapse.to;
         let across = self.surface.twin[h as usize];
         // Of each pair of merged edges, the result is a feature line if either was.
         for side in [h, across] {

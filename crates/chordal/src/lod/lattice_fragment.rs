@@ -5,8 +5,8 @@
 //! point moves farther than the farthest vertex, so each bound holds for the surface, in both directions.
 //! 1. Vertices are put into the box and rounded to its steps: the distance of each is enclosed by intervals.
 //! 2. Triangles are cut by the planes through the middle. A cut is exact, then its two other coordinates are rounded: by
-//!    at most half a step each. A triangle that is cut stays what it was, so the next plane may cut it again.
-//! 3. A triangle of fewer than three corners is a segment or a point, and dropped if other triangles contain
+//!    at most half a step each. Its pieces are triangles again, so the next plane can cut them.
+//! 3. A triangle with coincident corners is a segment or a point, and dropped if other triangles contain
 //!    that. If none does, two triangles of opposite winding replace it, which are nowhere farther from it
 //!    than one step.
 //!

@@ -3,7 +3,7 @@ mod failed_attempt;
 mod reduced_mesh;
 mod retry;
 
-pub(super) use failed_attempt::{AttemptStart, FailedAttempt, SlightCollapses};
+pub(super) use failed_attempt::{AttemptStart, FailedAttempt, UnmonitoredCollapses};
 
 use super::attribute_guard::AttributeGuard;
 use super::edge_collapse::{
@@ -370,7 +370,7 @@ impl<'a> MeshReduction<'a> {
     /// Collapses edges that cost so little that most of them need no monitor: their mean distance from planes
     /// of the original is below a fraction `share` of the tolerance. The given vertices stay fixed. Fails
     /// with vertices of the original that are too far from the surface afterwards, and those around them.
-    pub fn run_slight(
+    pub fn run_unmonitored(
         &mut self,
         (share, fixed_vertices): (f64, &[u32]),
         faces: usize,

@@ -1,7 +1,7 @@
 //! `simplify`: a mesh with fewer triangles, within a budget.
 use super::error_monitor::CheckLevel;
 use super::local_tolerance::LocalTolerance;
-use super::reduction::{AttemptStart, FailedAttempt, MeshReduction, ReductionStats, SlightCollapses};
+use super::reduction::{AttemptStart, FailedAttempt, MeshReduction, ReductionStats, UnmonitoredCollapses};
 use super::simplify_to_count::{Effort, simplify_to_count};
 use super::wedges::is_carried;
 use super::zero_area::ZeroAreaFaces;
@@ -259,16 +259,16 @@ impl<'a> ProgressiveSimplifier<'a> {
         let tolerance = self.proved.local_tolerance(allowed, SHARE);
         let mut failed: Option<(FailedAttempt, ViolationReport, [Vec<u32>; 2])> = None;
         // After a first level, few collapses are slight for the next one.
-        let slight = if self.is_proved { None } else { self.slight_collapses(&tolerance, job)? };
-        let mut start = AttemptStart::new(slight);
+        let unmonitored = if self.is_proved { None } else { self.unmonitored_collapses(&tolerance, job)? };
+        let mut start = AttemptStart::new(unmonitored);
         for attempt in 1..=ATTEMPTS {
             if let Some((failed, report, _)) = &mut failed {
-                start.follow(failed, report);
+                start.after_failure(failed, report);
                 if attempt == LAST_LOOK {
-                    start.leave_slight(failed);
+                    start.drop_unmonitored(failed);
                 }
             }
-            let from = start.from(&self.proved);
+            let from = start.state(&self.proved);
             // Most of an attempt from the same state can be repeated.
             let retried = failed.as_mut().filter(|_| !from.guards_attributes());
             let retried =
@@ -347,15 +347,15 @@ impl<'a> ProgressiveSimplifier<'a> {
 
     /// The mesh after collapses that cost so little that they need no monitor; `None` if it is not close
     /// enough.
-    fn slight_collapses(
+    fn unmonitored_collapses(
         &self,
         tolerance: &LocalTolerance,
         job: &Job,
-    ) -> Result<Option<(MeshReduction<'a>, SlightCollapses)>, JobError> {
+    ) -> Result<Option<(MeshReduction<'a>, UnmonitoredCollapses)>, JobError> {
         if self.proved.guards_attributes() || !tolerance.is_constant() {
             return Ok(None);
         }
-        self.proved.after_slight((SLIGHT, self.enough), tolerance, job)
+        self.proved.after_unmonitored((SLIGHT, self.enough), tolerance, job)
     }
 
     /// The deviation of attributes with limits from those of the original, and the faces of either mesh

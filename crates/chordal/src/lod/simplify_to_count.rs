@@ -203,9 +203,9 @@ impl<'a> CountTarget<'a> {
         let (mut begin, mut reduction) = loop {
             let tolerance = start.uniform_tolerance(SHARE * length);
             let few = (MANY * self.count as f64) as usize;
-            let begin = AttemptStart::new(start.after_slight((SLIGHT, few), &tolerance, self.job)?);
+            let begin = AttemptStart::new(start.after_unmonitored((SLIGHT, few), &tolerance, self.job)?);
             let is_shortest = SHORTER * length < flat;
-            let mut reduction = begin.from(&start).clone();
+            let mut reduction = begin.state(&start).clone();
             reduction.run(if is_shortest { self.count } else { 0 }, &tolerance, self.job)?;
             if reduction.n_faces() > self.count || is_shortest {
                 break (begin, reduction);
@@ -232,9 +232,9 @@ impl<'a> CountTarget<'a> {
             }
             drop(pair);
             let mut failed = FailedAttempt::new(reduction);
-            begin.follow(&mut failed, &report);
+            begin.after_failure(&mut failed, &report);
             let tolerance = start.uniform_tolerance(SHARE * length);
-            reduction = begin.from(&start).retry(&mut failed, &report, (&tolerance, n_retries));
+            reduction = begin.state(&start).retry(&mut failed, &report, (&tolerance, n_retries));
             reduction.raise_check_levels(&failed, &report, CheckLevel::escalate);
             reduction.run_open(self.count, &tolerance, self.job)?;
             n_retries += 1;

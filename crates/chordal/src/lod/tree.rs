@@ -79,7 +79,7 @@ const MOST_STEPS: u32 = 48;
 ///
 /// The leaves are the triangles of `finest`, divided into regions by position; no triangle is cut. A tile
 /// above is built from the triangles of `finest` in its region by [`simplify`](super::simplify()), within a
-/// length that grows by `cuts.factor` from step to step. Two regions are merged as soon as their triangles
+/// length that grows by `tiling.factor` from step to step. Two regions are merged as soon as their triangles
 /// fit into one tile; a region without a partner is simplified further by itself. A tile that is proved to be
 /// the same surface as its leaves replaces them.
 ///
@@ -124,16 +124,16 @@ const MOST_STEPS: u32 = 48;
 pub fn tree(
     finest: &Bounded<Mesh>,
     topology: Topology,
-    cuts: &TilingOptions,
+    tiling: &TilingOptions,
     job: &Job,
 ) -> Result<LodTileTree, JobError> {
-    if cuts.factor.is_nan() || cuts.factor <= 1.0 {
+    if tiling.factor.is_nan() || tiling.factor <= 1.0 {
         return refuse(
             RefusalCode::Budget,
-            format!("errors grow by a factor larger than 1, not {}", cuts.factor),
+            format!("errors grow by a factor larger than 1, not {}", tiling.factor),
         );
     }
-    if cuts.max_triangles == 0 {
+    if tiling.max_triangles == 0 {
         return refuse(RefusalCode::Budget, "a tile holds at least one triangle");
     }
     if finest.shape.faces().is_empty() {
@@ -143,12 +143,12 @@ pub fn tree(
         return refuse(RefusalCode::Unsupported, needs_a_proof("tiles", &finest.bound));
     }
     job.run(|| {
-        let parts = RegionTree::new(&finest.shape, topology, cuts.max_triangles);
+        let parts = RegionTree::new(&finest.shape, topology, tiling.max_triangles);
         let mut growing = TileTreeBuilder::new(TileTreeInput {
             regions: parts,
             bound: &finest.bound,
             topology,
-            cuts,
+            tiling,
             job,
         })?;
         growing.run()?;
@@ -161,7 +161,7 @@ struct TileTreeInput<'a> {
     regions: RegionTree<'a>,
     bound: &'a Bound,
     topology: Topology,
-    cuts: &'a TilingOptions,
+    tiling: &'a TilingOptions,
     job: &'a Job,
 }
 
@@ -189,7 +189,7 @@ impl TileTreeInput<'_> {
             topology: self.topology,
             fixed_rows: &stays,
             limit: ErrorLimit::uniform(length.get()),
-            attributes: self.cuts.attributes,
+            attributes: self.tiling.attributes,
             job: self.job,
         };
         simplify_within(&input).map(Some)
@@ -224,7 +224,7 @@ impl<'a> TileTreeBuilder<'a> {
     }
 
     fn run(&mut self) -> Result<(), JobError> {
-        let TilingOptions { step, factor, stop_at_triangles: enough, .. } = *self.input.cuts;
+        let TilingOptions { step, factor, stop_at_triangles: enough, .. } = *self.input.tiling;
         let mut length = step;
         let extent = self.input.regions.extent();
         for _ in 0..MOST_STEPS {
@@ -249,7 +249,7 @@ impl<'a> TileTreeBuilder<'a> {
 
     /// Adds a tile above the current ones wherever a length gives sufficiently few triangles.
     fn step(&mut self, length: Tolerance) -> Result<(), JobError> {
-        let most = self.input.cuts.max_triangles;
+        let most = self.input.tiling.max_triangles;
         // Merge two halves that probably fit into one tile, since each step leaves about half of the
         // triangles.
         let halves = |region: &usize| self.input.regions.regions[*region].halves;

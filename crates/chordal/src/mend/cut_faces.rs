@@ -76,20 +76,20 @@ impl<'a> FaceCutter<'a> {
             return false;
         }
         // 3. The faces.
-        let rows: Vec<u32> = polygon.iter().map(|stop| self.corner_row(stop, corners, draft)).collect();
-        let corner = |stop: &CutCorner| {
-            let ends = [stop.side, (stop.side + 1) % 3].map(|k| 3 * face + k as u32);
-            if stop.t == 0.0 {
+        let rows: Vec<u32> = polygon.iter().map(|corner| self.corner_row(corner, corners, draft)).collect();
+        let source_of = |corner: &CutCorner| {
+            let ends = [corner.side, (corner.side + 1) % 3].map(|k| 3 * face + k as u32);
+            if corner.t == 0.0 {
                 AttributeSource::from_row(ends[0])
             } else {
-                AttributeSource::between(ends, stop.t)
+                AttributeSource::between(ends, corner.t)
             }
         };
         for triangle in &triangles {
             draft.faces.push(MendFace {
                 rows: triangle.map(|i| rows[i]),
                 source: face,
-                corners: triangle.map(|i| corner(&polygon[i])),
+                corners: triangle.map(|i| source_of(&polygon[i])),
             });
         }
         true
@@ -103,13 +103,13 @@ impl<'a> FaceCutter<'a> {
         let size = along.abs().max_element();
         let (along, from_a) = (along / size, (at(row) - a) / size);
         let t = from_a.dot(along) / along.dot(along);
-        // Strictly inside, since a stop with parameter 0 is a corner; only rounding can move it to an end.
+        // Strictly inside, since parameter 0 stands for a corner of the face; only rounding can move it to an end.
         if t > f64::MIN_POSITIVE { lesser(t, 1.0) } else { f64::MIN_POSITIVE }
     }
 
     /// Whether no edge gets a third face. If so, counts the edges of the new faces.
     fn keeps_manifold(&mut self, around: &[CutCorner], triangles: &[[usize; 3]]) -> bool {
-        let ids: Vec<u32> = around.iter().map(|stop| (self.id)(stop.row)).collect();
+        let ids: Vec<u32> = around.iter().map(|corner| (self.id)(corner.row)).collect();
         if (0..ids.len()).any(|i| ids[..i].contains(&ids[i])) {
             return false;
         }
@@ -137,14 +137,17 @@ impl<'a> FaceCutter<'a> {
 
     /// The row of a polygon corner: the old row if rows carry no attributes, otherwise a new one with the
     /// attributes of the side at that point.
-    fn corner_row(&mut self, stop: &CutCorner, corners: [u32; 3], draft: &mut MendBuilder) -> u32 {
-        if stop.t == 0.0 || !self.has_vertex_streams {
-            return stop.row;
+    fn corner_row(&mut self, corner: &CutCorner, corners: [u32; 3], draft: &mut MendBuilder) -> u32 {
+        if corner.t == 0.0 || !self.has_vertex_streams {
+            return corner.row;
         }
-        let ends = [corners[stop.side], corners[(stop.side + 1) % 3]];
-        let source = AttributeSource::between(ends, stop.t);
-        let MendRow { at, label, .. } = draft.rows[stop.row as usize];
-        *self.new_rows.entry((stop.row, ends)).or_insert_with(|| draft.add_row(MendRow { at, label, source }))
+        let ends = [corners[corner.side], corners[(corner.side + 1) % 3]];
+        let source = AttributeSource::between(ends, corner.t);
+        let MendRow { at, label, .. } = draft.rows[corner.row as usize];
+        *self
+            .new_rows
+            .entry((corner.row, ends))
+            .or_insert_with(|| draft.add_row(MendRow { at, label, source }))
     }
 }
 

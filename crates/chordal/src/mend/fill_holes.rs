@@ -36,8 +36,8 @@ pub enum HoleSelection {
 /// faces are as far from the input as the hole is wide. That is no error, since there was no surface. If
 /// no hole was filled, the bound is 0 in both directions. The changes are `filled_holes`, `added_faces`,
 /// `added_vertices`, `left_holes`; a witness is the first edge of a loop. Remaining holes are counted as
-/// [`check::validity`](crate::check::validity) counts loops and chains: one that passes a position twice, or
-/// changes its winding, is one.
+/// [`check::validity`](crate::check::validity) counts loops and chains: a loop that visits a position twice
+/// counts once, and so does one that changes its winding.
 ///
 /// A new face may cross the surface if a loop winds around it:
 /// [`check::self_intersections`](crate::check::self_intersections) finds that.
@@ -196,16 +196,16 @@ impl MeshBoundary<'_> {
             if visited[start as usize] || self.twins.get(start) != Twin::Boundary {
                 continue;
             }
-            let mut string = vec![start];
+            let mut chain = vec![start];
             visited[start as usize] = true;
             let mut next = self.next_boundary(start);
             while let Some(h) = next.filter(|&h| !visited[h as usize]) {
                 visited[h as usize] = true;
-                string.push(h);
+                chain.push(h);
                 next = self.next_boundary(h);
             }
             if next == Some(start) {
-                self.split_at_repeats(&string, &mut index_in_loop, &mut loops);
+                self.split_at_repeats(&chain, &mut index_in_loop, &mut loops);
             } else {
                 broken.push(start);
             }
@@ -228,9 +228,9 @@ impl MeshBoundary<'_> {
 
     /// Splits a loop at the positions to which it returns. `index_in_loop` is all `u32::MAX` before and
     /// after.
-    fn split_at_repeats(&self, string: &[u32], index_in_loop: &mut [u32], loops: &mut Vec<Vec<u32>>) {
+    fn split_at_repeats(&self, chain: &[u32], index_in_loop: &mut [u32], loops: &mut Vec<Vec<u32>>) {
         let mut open: Vec<u32> = Vec::new();
-        for &h in string {
+        for &h in chain {
             let position = self.origin(h);
             let before = index_in_loop[position as usize];
             if before != u32::MAX {

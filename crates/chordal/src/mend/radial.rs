@@ -15,20 +15,20 @@ pub(super) struct RadialFace {
 
 /// Pairs of half-edges whose faces enclose a wedge of the inside that contains no other face to pair. So
 /// if two solids touch along the edge, each gets its two faces.
-pub(super) fn pair_faces(edge: [[f64; 3]; 2], leaves: &mut [RadialFace]) -> Vec<[u32; 2]> {
-    sort_by_angle(edge, leaves);
+pub(super) fn pair_faces(edge: [[f64; 3]; 2], faces: &mut [RadialFace]) -> Vec<[u32; 2]> {
+    sort_by_angle(edge, faces);
     let mut pairs = Vec::new();
     // With growing angle, the inside starts at a face that runs along the edge downwards and ends at one that
     // runs upwards, like brackets.
     let mut open: Vec<u32> = Vec::new();
     let mut late: Vec<u32> = Vec::new();
-    for leaf in leaves.iter() {
-        match (leaf.is_up, open.pop()) {
-            (true, Some(start)) => pairs.push([start, leaf.half_edge]),
-            (true, None) => late.push(leaf.half_edge),
+    for face in faces.iter() {
+        match (face.is_up, open.pop()) {
+            (true, Some(start)) => pairs.push([start, face.half_edge]),
+            (true, None) => late.push(face.half_edge),
             (false, last) => {
                 open.extend(last);
-                open.push(leaf.half_edge);
+                open.push(face.half_edge);
             }
         }
     }
@@ -40,8 +40,8 @@ pub(super) fn pair_faces(edge: [[f64; 3]; 2], leaves: &mut [RadialFace]) -> Vec<
 
 /// Sorts by the angle around the edge, starting at the first face that has an angle; faces at equal angles
 /// keep their order.
-fn sort_by_angle([a, b]: [[f64; 3]; 2], leaves: &mut [RadialFace]) {
-    let Some(first) = leaves.iter().map(|leaf| leaf.apex).find(|&apex| !is_collinear(a, b, apex)) else {
+fn sort_by_angle([a, b]: [[f64; 3]; 2], faces: &mut [RadialFace]) {
+    let Some(first) = faces.iter().map(|face| face.apex).find(|&apex| !is_collinear(a, b, apex)) else {
         return;
     };
     let half = |apex: [f64; 3]| match orient3d(a, b, first, apex) {
@@ -50,7 +50,7 @@ fn sort_by_angle([a, b]: [[f64; 3]; 2], leaves: &mut [RadialFace]) {
         Orientation::Flat if is_across(a, b, [first, apex]) => 2,
         Orientation::Flat => 0,
     };
-    leaves.sort_by(|p, q| {
+    faces.sort_by(|p, q| {
         let halves = [half(p.apex), half(q.apex)];
         halves[0].cmp(&halves[1]).then_with(|| match orient3d(a, b, p.apex, q.apex) {
             _ if halves[0] % 2 == 0 => Ordering::Equal,
@@ -78,21 +78,21 @@ mod tests {
     fn of_two_wedges_each_gets_its_own_faces_wherever_the_order_starts() {
         // Around the z axis: inside from 0° to 90° and from 180° to 270°.
         let edge = [[0.0; 3], [0.0, 0.0, 1.0]];
-        let leaf = |half_edge, x: f64, y: f64, is_up| RadialFace { half_edge, apex: [x, y, 0.5], is_up };
+        let face = |half_edge, x: f64, y: f64, is_up| RadialFace { half_edge, apex: [x, y, 0.5], is_up };
         let all = [
-            leaf(1, 1.0, 0.0, false),
-            leaf(2, 0.0, 1.0, true),
-            leaf(3, -1.0, 0.0, false),
-            leaf(4, 0.0, -1.0, true),
+            face(1, 1.0, 0.0, false),
+            face(2, 0.0, 1.0, true),
+            face(3, -1.0, 0.0, false),
+            face(4, 0.0, -1.0, true),
         ];
         for shift in 0..4 {
-            let mut leaves = all;
-            leaves.rotate_left(shift);
-            let mut found = pair_faces(edge, &mut leaves);
+            let mut faces = all;
+            faces.rotate_left(shift);
+            let mut found = pair_faces(edge, &mut faces);
             found.sort_unstable();
             assert_eq!(found, [[1, 2], [3, 4]], "shift {shift}");
         }
-        let mut fin = [all[0], all[1], leaf(5, 1.0, 1.0, true)];
+        let mut fin = [all[0], all[1], face(5, 1.0, 1.0, true)];
         assert_eq!(pair_faces(edge, &mut fin), [[1, 5]]);
     }
 }

@@ -42,8 +42,8 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let twins = Twins::with_ids(mesh, ids.as_deref());
     let corner_row = |h: u32| mesh.faces()[h as usize / 3][h as usize % 3];
-    let seams = CornerFans { mesh, twins: &twins, id: &|h| id(corner_row(h)) };
-    let fans = seams.fans(job)?;
+    let corner_fans = CornerFans { mesh, twins: &twins, id: &|h| id(corner_row(h)) };
+    let fans = corner_fans.fans(job)?;
 
     let mut split_edges = Finding::default();
     twins.non_manifold_edges().for_each(|edge| split_edges.add(|| Witness::edge(mesh, edge)));
@@ -164,13 +164,13 @@ impl CornerFans<'_> {
     fn radial_pairs(&self, edge: &[u32]) -> Vec<[u32; 2]> {
         let [a, b] = [edge[0], next_in_face(edge[0])];
         let at = |h: u32| self.mesh.corners(h as usize / 3)[h as usize % 3];
-        let leaf = |&h: &u32| RadialFace {
+        let face = |&h: &u32| RadialFace {
             half_edge: h,
             apex: at(previous_in_face(h)),
             is_up: (self.id)(h) == (self.id)(a),
         };
-        let mut leaves: Vec<RadialFace> = edge.iter().map(leaf).collect();
-        pair_faces([at(a), at(b)], &mut leaves)
+        let mut faces: Vec<RadialFace> = edge.iter().map(face).collect();
+        pair_faces([at(a), at(b)], &mut faces)
     }
 
     /// Whether three of the half-edges still run between the same two fans.

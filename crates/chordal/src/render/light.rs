@@ -54,7 +54,7 @@ pub(super) struct StudioLights {
     ground: f64,
     /// The middle of the ground's shadow, and the distance from it at which the shadow fades out.
     middle: DVec3,
-    reach: f64,
+    fade_radius: f64,
     front: DVec3,
     back: DVec3,
     material: Material,
@@ -98,7 +98,7 @@ impl StudioLights {
             // are not hidden.
             ground: low.dot(top) - 1e-3 * size,
             middle: low * 0.5 + high * 0.5,
-            reach: 4.0 * size,
+            fade_radius: 4.0 * size,
             front: srgb_to_linear(front),
             back: srgb_to_linear(back),
             material,
@@ -221,7 +221,7 @@ impl StudioLights {
             return None;
         }
         let at = origin + direction * (-height / slope);
-        let fade = smoothstep([0.5 * self.reach, self.reach], (at - self.middle).length());
+        let fade = smoothstep([0.5 * self.fade_radius, self.fade_radius], (at - self.middle).length());
         (fade < 1.0).then_some(GroundPoint { at, fade })
     }
 

@@ -52,8 +52,8 @@ pub fn render(mesh: &Mesh, options: &RenderOptions, job: &Job) -> Result<Picture
     render_mesh(mesh, options, None, job)
 }
 
-/// Renders a mesh coloured by its distance from another surface: light for distance 0, over yellow and
-/// red to dark violet at `against.most` and beyond. The distance is that of the very point that is seen, not
+/// Renders a mesh coloured by its distance from another surface: from light at 0 through yellow and red to
+/// dark violet at `against.most` and beyond. The distance is that of the very point that is seen, not
 /// interpolated between vertices. [`RenderStyle::Flat`] is lit as such; every other style is lit as
 /// [`RenderStyle::Shaded`].
 ///

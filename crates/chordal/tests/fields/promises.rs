@@ -41,7 +41,11 @@ fn a_box_that_ranges_show_is_no_promise() {
 fn a_box_that_is_too_small_or_beyond_ranges_is_a_promise() {
     let small = Field::new(ball()).with_bounds(cube(0.5));
     assert_eq!(promises(&small).len(), 1);
-    assert!(promises(&small)[0].contains("beyond the box from [-0.5, -0.5, -0.5]"), "{:?}", promises(&small));
+    assert!(
+        promises(&small)[0].contains("outside the box from [-0.5, -0.5, -0.5]"),
+        "{:?}",
+        promises(&small)
+    );
     let [x, ..] = Expr::axes();
     let unknown = Field::new(ball().max(&x.sqrt())).with_bounds(cube(1.0));
     assert_eq!(promises(&unknown).len(), 1);
@@ -84,7 +88,7 @@ fn promises_go_through_every_operation() {
     ];
     for (name, field) in made {
         let sentences = promises(&field.unwrap_or_else(|why| panic!("{name}: {why}")));
-        let box_is_listed = sentences.iter().any(|sentence| sentence.contains("beyond the box from"));
+        let box_is_listed = sentences.iter().any(|sentence| sentence.contains("outside the box from"));
         assert!(box_is_listed, "{name}: {sentences:?}");
     }
 }

@@ -136,7 +136,7 @@ impl<'a> GltfLint<'a> {
             }
             self.within(key, |lint| {
                 if accessor.format() == Some(TIMES) {
-                    uses.demand(index, AccessorConstraint::Times, lint.pointer(None));
+                    uses.constrain(index, AccessorConstraint::Times, lint.pointer(None));
                 } else {
                     lint.issue_here(
                         "ANIMATION_SAMPLER_INPUT_ACCESSOR_INVALID_FORMAT",
@@ -197,7 +197,7 @@ impl<'a> GltfLint<'a> {
         let Some(accessor) = item(&model.accessors, Some(output)) else { return };
         let cubic = sampler.interpolation == "CUBICSPLINE";
         if path == "rotation" && accessor.kind.is_some_and(|kind| kind.n_components() == 4) {
-            uses.demand(
+            uses.constrain(
                 output,
                 AccessorConstraint::Quaternions { cubic },
                 self.pointer(Some("sampler".into())),

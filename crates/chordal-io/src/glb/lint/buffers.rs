@@ -49,7 +49,7 @@ pub(super) struct UseTable {
     /// For a view without stride, the vertex attribute that reads it.
     sole_reader: Vec<Option<usize>>,
     /// Constraints on accessors, each with its pointer.
-    pub demands: Vec<(usize, AccessorConstraint, String)>,
+    pub constraints: Vec<(usize, AccessorConstraint, String)>,
 }
 
 impl UseTable {
@@ -62,13 +62,13 @@ impl UseTable {
             views: model.views.iter().map(by_target).collect(),
             accessors: vec![None; model.accessors.len()],
             sole_reader: vec![None; model.views.len()],
-            demands: Vec::new(),
+            constraints: Vec::new(),
         }
     }
 
     /// Adds a constraint on an accessor.
-    pub fn demand(&mut self, accessor: usize, demand: AccessorConstraint, pointer: String) {
-        self.demands.push((accessor, demand, pointer));
+    pub fn constrain(&mut self, accessor: usize, constraint: AccessorConstraint, pointer: String) {
+        self.constraints.push((accessor, constraint, pointer));
     }
 }
 
@@ -112,9 +112,10 @@ impl<'a> GltfLint<'a> {
         }
         match container {
             GltfContainer::Binary(Some(bin)) => buffer.data = Some(Cow::Borrowed(bin)),
-            GltfContainer::Binary(None) if !buffer.is_fallback => {
-                self.issue_here("BUFFER_MISSING_GLB_DATA", "the buffer means a BIN chunk, and there is none")
-            }
+            GltfContainer::Binary(None) if !buffer.is_fallback => self.issue_here(
+                "BUFFER_MISSING_GLB_DATA",
+                "the buffer refers to the BIN chunk, and there is none",
+            ),
             GltfContainer::Binary(None) | GltfContainer::Json => {}
         }
     }
@@ -152,7 +153,7 @@ impl<'a> GltfLint<'a> {
                 self.issue_below(
                     "BUFFER_VIEW_TOO_BIG_BYTE_STRIDE",
                     "byteStride",
-                    "byteStride passes byteLength",
+                    "byteStride exceeds byteLength",
                 );
             }
             if stride % 4 != 0 {

@@ -18,17 +18,17 @@ const WEIGHT_STEP: f64 = 2e-7;
 impl<'a> GltfLint<'a> {
     /// Decodes each accessor once and checks it against its declared bounds and its constraints.
     pub(super) fn check_elements(&mut self, model: &GltfModel<'a>, uses: &UseTable) {
-        let mut demands: Vec<&(usize, AccessorConstraint, String)> = uses.demands.iter().collect();
-        demands.sort_by_key(|(accessor, ..)| *accessor);
+        let mut constraints: Vec<&(usize, AccessorConstraint, String)> = uses.constraints.iter().collect();
+        constraints.sort_by_key(|(accessor, ..)| *accessor);
         for (i, accessor) in model.accessors.iter().enumerate() {
             let Some(accessor) = accessor else { continue };
-            let first = demands.partition_point(|(a, ..)| *a < i);
-            let accessor_demands = &demands[first..demands.partition_point(|(a, ..)| *a <= i)];
+            let first = constraints.partition_point(|(a, ..)| *a < i);
+            let accessor_constraints = &constraints[first..constraints.partition_point(|(a, ..)| *a <= i)];
             // Rows without data are zeros; the validator does not check them.
             if accessor.view.is_none() && accessor.sparse.is_none() {
                 continue;
             }
-            let asks = accessor.min.is_some() || accessor.max.is_some() || !accessor_demands.is_empty();
+            let asks = accessor.min.is_some() || accessor.max.is_some() || !accessor_constraints.is_empty();
             if !asks && accessor.component != Some(ComponentType::F32) && accessor.sparse.is_none() {
                 continue;
             }
@@ -43,7 +43,7 @@ impl<'a> GltfLint<'a> {
                 lint.check_numbers(accessor, &rows);
             });
             if is_seen {
-                self.check_constraints(accessor_demands, &rows);
+                self.check_constraints(accessor_constraints, &rows);
             }
         }
     }
@@ -99,7 +99,7 @@ impl<'a> GltfLint<'a> {
         for (key, declared, actual, code) in sides {
             for (k, (said, found)) in declared.iter().flatten().zip(actual).enumerate() {
                 if said != found {
-                    let what = format!("{key} is said to be {said} and is {found}");
+                    let what = format!("{key} is declared as {said} and is {found}");
                     self.within(key, |lint| lint.issue(code, Some(k.into()), || what));
                 }
             }
@@ -108,14 +108,14 @@ impl<'a> GltfLint<'a> {
 
     fn check_constraints(
         &mut self,
-        demands: &[&(usize, AccessorConstraint, String)],
+        constraints: &[&(usize, AccessorConstraint, String)],
         rows: &AccessorRows<'_>,
     ) {
         let mut seen: Vec<&AccessorConstraint> = Vec::new();
         // The lowest of several limits on indices applies.
-        let lowest = demands
+        let lowest = constraints
             .iter()
-            .filter_map(|(_, demand, pointer)| match demand {
+            .filter_map(|(_, constraint, pointer)| match constraint {
                 AccessorConstraint::IndicesBelow(limit) => Some((*limit, pointer)),
                 _ => None,
             })
@@ -123,24 +123,24 @@ impl<'a> GltfLint<'a> {
         if let Some((limit, pointer)) = lowest {
             self.check_indices(rows, limit, pointer);
         }
-        for (_, demand, pointer) in demands {
-            if matches!(demand, AccessorConstraint::IndicesBelow(_)) || seen.contains(&demand) {
+        for (_, constraint, pointer) in constraints {
+            if matches!(constraint, AccessorConstraint::IndicesBelow(_)) || seen.contains(&constraint) {
                 continue;
             }
-            seen.push(demand);
+            seen.push(constraint);
             let mut meaning = [0.0; 16];
             rows.each(|i, row| {
                 meaning.iter_mut().zip(row).for_each(|(x, raw)| *x = rows.decode(*raw));
-                self.check_row(demand, i, &meaning[..row.len()], pointer);
+                self.check_row(constraint, i, &meaning[..row.len()], pointer);
             });
-            if *demand == AccessorConstraint::Times {
+            if *constraint == AccessorConstraint::Times {
                 self.check_times(rows, pointer);
             }
         }
     }
 
-    fn check_row(&mut self, demand: &AccessorConstraint, i: u64, row: &[f64], pointer: &str) {
-        match demand {
+    fn check_row(&mut self, constraint: &AccessorConstraint, i: u64, row: &[f64], pointer: &str) {
+        match constraint {
             AccessorConstraint::UnitVectors | AccessorConstraint::UnitVectorsWithSign => {
                 let (vector, sign) = row.split_at(row.len().min(3));
                 if !is_unit(vector, UNIT_VECTOR) {
@@ -148,7 +148,9 @@ impl<'a> GltfLint<'a> {
                         format!("row {i} is not of unit length")
                     });
                 }
-                if *demand == AccessorConstraint::UnitVectorsWithSign && sign.iter().any(|w| w.abs() != 1.0) {
+                if *constraint == AccessorConstraint::UnitVectorsWithSign
+                    && sign.iter().any(|w| w.abs() != 1.0)
+                {
                     self.issue_at("ACCESSOR_INVALID_SIGN", pointer, || {
                         format!("the sign of row {i} is not 1 or -1")
                     });

@@ -305,14 +305,14 @@ impl<'a> GltfLint<'a> {
                 );
             }
             (Some(_), Some(format)) if allowed == AttributeOwner::Base => {
-                let demand = match name {
+                let constraint = match name {
                     "NORMAL" => Some(AccessorConstraint::UnitVectors),
                     "TANGENT" => Some(AccessorConstraint::UnitVectorsWithSign),
                     "COLOR_0" if format.component == F32 => Some(AccessorConstraint::Clamped),
                     _ => None,
                 };
-                if let Some(demand) = demand {
-                    uses.demand(index, demand, self.pointer(Some(name.into())));
+                if let Some(constraint) = constraint {
+                    uses.constrain(index, constraint, self.pointer(Some(name.into())));
                 }
             }
             (None, Some(format)) if format.component == U32 && allowed == AttributeOwner::Base => {
@@ -364,7 +364,7 @@ impl<'a> GltfLint<'a> {
             match accessor.format() {
                 Some(format) if INDICES.contains(&format) => {
                     if primitive.mode.is_some() {
-                        uses.demand(
+                        uses.constrain(
                             index,
                             AccessorConstraint::IndicesBelow(n_vertices.unwrap_or(0)),
                             lint.pointer(None),

@@ -159,7 +159,7 @@ impl<'a> GltfLint<'a> {
                 lint.issue_here("SKIN_IBM_ACCESSOR_WITH_BYTESTRIDE", "bind matrices have no byteStride");
             }
             if accessor.format() == Some(AccessorFormat::plain(AccessorType::Mat4, ComponentType::F32)) {
-                uses.demand(index, AccessorConstraint::BindMatrices, lint.pointer(None));
+                uses.constrain(index, AccessorConstraint::BindMatrices, lint.pointer(None));
             } else {
                 lint.issue_here("SKIN_IBM_INVALID_FORMAT", "bind matrices are 4 x 4 floats");
             }

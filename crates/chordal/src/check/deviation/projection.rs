@@ -59,8 +59,7 @@ impl SubtriangleProjection {
                 (e[0] * y - e[1] * x) + 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs())
             };
             let ends = greater(beyond(segment[0]), beyond(segment[1]));
-            // The length of the side, rounded down.
-            // Roundings: 4 and 2.
+            // The length of the side has 4 roundings and is rounded down; the quotient has 2, and is rounded up.
             let depth = ends / (length(e) * (1.0 - 4.0 * f64::EPSILON)) * (1.0 + f64::EPSILON);
             let depth = greater(depth, f64::MIN_POSITIVE);
             lesser(depth, least)

@@ -1,9 +1,9 @@
 //! Heuristic displacements that move the vertices of a mesh to one side of a field's surface, from samples.
-//! On a face each deciding primitive is taken as a distance, value by gradient, at some points. The CSG tree
-//! determines at each point which of them have to be on a side so that the whole is: of an intersection that
-//! has to be outside the one that is nearest to it, of a union all. A primitive that has to be raised must be
-//! above 0 at the three corners, by its deficit there and by the height of the plane through the corners
-//! above its samples. Displacements are linear over a face, so then it is above 0 at all samples.
+//! On each face, every primitive that decides its sign is replaced at sample points by its distance,
+//! value / |gradient|. To put an intersection outside, one operand suffices (the nearest to it); for a union,
+//! all are needed. A primitive to be raised gets, at each corner, its deficit there plus how far the plane
+//! through the corners rises above its samples. Displacements are linear over a face, so then it is above 0
+//! at all samples.
 //!
 //! Nothing is proved here, and nothing need be: the signs on the displaced faces are proved for any
 //! displacements.
@@ -14,9 +14,9 @@ use crate::implicit::{CsgNode, Dual, LeafError, PrimitiveEvaluator};
 use crate::math::{Box3, cross, difference, dot, greater, length, lesser};
 use std::ops::Range;
 
-/// Estimates of the displacements of a face's corners.
+/// The largest displacement that a face's corners are assumed to need.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DisplacementReach {
+pub(super) struct MaxDisplacement {
     /// As far as samples require. The face lies on a primitive if that is at most this far from it
     /// throughout.
     pub at_first: f64,
@@ -29,7 +29,7 @@ pub(super) struct DisplacementReach {
 pub(super) struct FaceConstraint {
     pub directions: [[f64; 3]; 3],
     pub deficits: [f64; 3],
-    /// 1 if the primitive is near, 0 if it is as far as the displacement's reach.
+    /// 1 if the primitive is near, 0 if it is as far as the largest displacement.
     pub shares: [f64; 3],
     /// Whether the face lies on the primitive; otherwise it is only near it.
     pub is_on: bool,
@@ -173,24 +173,24 @@ pub(super) enum DisplacementNormals {
     VertexAndFace,
 }
 
-/// The constraints of the faces of a mesh to be outside, and to be inside, for a reach of each face.
-/// Primitives farther than twice the reach are assumed to stay on their side.
+/// The constraints of the faces of a mesh to be outside, and to be inside, for the largest displacement of
+/// each face. Primitives farther than twice that are assumed to stay on their side.
 pub(super) fn face_constraints(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     mesh: &Mesh,
-    reaches: &[DisplacementReach],
+    max_displacements: &[MaxDisplacement],
     directions: DisplacementNormals,
 ) -> Result<[FaceConstraints; 2], LeafError> {
-    let band = |face: usize| 2.0 * reaches[face].now;
+    let band = |face: usize| 2.0 * max_displacements[face].now;
     let normals = normals(mesh);
     let mut constraints_by_side = [FaceConstraints::default(), FaceConstraints::default()];
     for part in parts(mesh) {
         let samples = FaceSamples::from_faces(regions, evaluator, mesh, part, band)?;
         for (face, sampled) in samples.faces(&regions.trees) {
-            constraints_by_side
-                .iter_mut()
-                .for_each(|demands| demands.starts.push(demands.constraints.len() as u32));
+            constraints_by_side.iter_mut().for_each(|face_constraints| {
+                face_constraints.starts.push(face_constraints.constraints.len() as u32)
+            });
             let Some(SampledFace { local, slopes }) = sampled else { continue };
             let distances: Vec<f64> = slopes.iter().map(distance).collect();
             let vertex_normal = sum(mesh.faces()[face].map(|v| normals[v as usize]));
@@ -198,17 +198,20 @@ pub(super) fn face_constraints(
                 DisplacementNormals::Vertex => [vertex_normal; 2],
                 DisplacementNormals::VertexAndFace => [vertex_normal, normal(&mesh.corners(face))],
             };
-            for (side, demands) in constraints_by_side.iter_mut().enumerate() {
+            for (side, face_constraints) in constraints_by_side.iter_mut().enumerate() {
                 let outward = directions.map(|d| if side == 1 { d.map(|x| -x) } else { d });
                 let of_face =
                     FaceDistances { local, slopes, distances: &distances, outward, band: band(face) };
                 let raised = of_face.raised_literals(side == 1);
-                let demand = |literal| face_constraint(slopes, &distances, literal, &reaches[face]);
-                demands.constraints.extend(raised.iter().filter_map(demand));
+                let constraint =
+                    |literal| face_constraint(slopes, &distances, literal, &max_displacements[face]);
+                face_constraints.constraints.extend(raised.iter().filter_map(constraint));
             }
         }
     }
-    constraints_by_side.iter_mut().for_each(|demands| demands.starts.push(demands.constraints.len() as u32));
+    constraints_by_side
+        .iter_mut()
+        .for_each(|face_constraints| face_constraints.starts.push(face_constraints.constraints.len() as u32));
     Ok(constraints_by_side)
 }
 
@@ -221,7 +224,7 @@ fn distance(slope: &Dual<f64>) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct RaisedLiteral {
     place: u32,
-    falls: bool,
+    is_complement: bool,
     /// A bit mask of the samples.
     samples: u16,
 }
@@ -312,14 +315,14 @@ impl FaceDistances<'_> {
     /// required side is reached in all cases of such a primitive, it is unconstrained ([`LocalTree`]).
     fn raised_literals(&self, inward: bool) -> Vec<RaisedLiteral> {
         let mixed: Vec<u32> = self.local.mixed().filter(|p| self.is_near(*p)).collect();
-        let plain = self.of_tree(|p, falls| self.literal(p, falls), inward);
+        let plain = self.of_tree(|p, is_complement| self.literal(p, is_complement), inward);
         let required = if mixed.is_empty() || mixed.len() > MOST_CASES {
             plain
         } else {
             let of_case = |case: u32| {
-                let literal = |p: u32, falls: bool| match mixed.iter().position(|q| *q == p) {
-                    Some(bit) => NodeSamples::constant((case >> bit & 1 == 1) != falls),
-                    None => self.literal(p, falls),
+                let literal = |p: u32, is_complement: bool| match mixed.iter().position(|q| *q == p) {
+                    Some(bit) => NodeSamples::constant((case >> bit & 1 == 1) != is_complement),
+                    None => self.literal(p, is_complement),
                 };
                 self.of_tree(literal, inward)
             };
@@ -335,7 +338,7 @@ impl FaceDistances<'_> {
         let mut literals = required.literals;
         literals.sort_unstable();
         literals.dedup_by(|next, kept| {
-            let is_same = next.place == kept.place && next.falls == kept.falls;
+            let is_same = next.place == kept.place && next.is_complement == kept.is_complement;
             kept.samples |= if is_same { next.samples } else { 0 };
             is_same
         });
@@ -370,12 +373,12 @@ impl FaceDistances<'_> {
         self.distances[first..first + SAMPLES.len()].iter().any(|distance| distance.abs() < self.band)
     }
 
-    fn literal(&self, primitive: u32, falls: bool) -> NodeSamples {
+    fn literal(&self, primitive: u32, is_complement: bool) -> NodeSamples {
         let index = self.local.index_of(primitive);
         let first = index * SAMPLES.len();
         let values: [f64; SAMPLES.len()] = std::array::from_fn(|sample| {
             let value = self.distances[first + sample];
-            if falls { -value } else { value }
+            if is_complement { -value } else { value }
         });
         let near = (3..SAMPLES.len()).filter(|k| values[*k] < self.band);
         let samples = near.fold(0, |all, k| all | 1 << k);
@@ -384,11 +387,11 @@ impl FaceDistances<'_> {
         }
         let gradient = self.slopes[first + SAMPLES.len() - 1].gradient;
         let is_across = self.outward.iter().all(|outward| {
-            let along = dot(gradient, *outward) * if falls { -1.0 } else { 1.0 };
+            let along = dot(gradient, *outward) * if is_complement { -1.0 } else { 1.0 };
             let cosine = along / (length(gradient) * length(*outward));
             cosine.is_nan() || cosine < ACROSS
         });
-        let literals = vec![RaisedLiteral { place: index as u32, falls, samples }];
+        let literals = vec![RaisedLiteral { place: index as u32, is_complement, samples }];
         NodeSamples { values, literals, is_across }
     }
 }
@@ -420,16 +423,16 @@ fn face_constraint(
     slopes: &[Dual<f64>],
     distances: &[f64],
     literal: &RaisedLiteral,
-    reach: &DisplacementReach,
+    max_displacement: &MaxDisplacement,
 ) -> Option<FaceConstraint> {
     let first = literal.place as usize * SAMPLES.len();
-    let sign = if literal.falls { -1.0 } else { 1.0 };
+    let sign = if literal.is_complement { -1.0 } else { 1.0 };
     let heights: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
     let beside: [[f64; 3]; 3] = std::array::from_fn(|k| slopes[first + 3 + k].gradient);
     // A corner farther away than its largest possible displacement counts as that far.
     let at_corners: [f64; 3] = std::array::from_fn(|k| {
         let far = sign * slopes[first + k].value / length(beside[k]);
-        lesser(reach.now, far)
+        lesser(max_displacement.now, far)
     });
     let mut bulge = 0.0;
     for (k, weights) in SAMPLES.iter().enumerate().filter(|(k, _)| literal.samples >> k & 1 == 1) {
@@ -439,8 +442,8 @@ fn face_constraint(
     let deficits = at_corners.map(|far| bulge - far);
     let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
     let is_finite = deficits.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
-    let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / reach.now } else { 1.0 });
-    let is_on = heights.iter().all(|far| far.abs() <= reach.at_first);
+    let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / max_displacement.now } else { 1.0 });
+    let is_on = heights.iter().all(|far| far.abs() <= max_displacement.at_first);
     is_finite.then_some(FaceConstraint { directions, deficits, shares, is_on })
 }
 

@@ -29,7 +29,7 @@
 //! margin, which grows if the proof needs it.
 use super::copy_mesh::{CopyMesh, FaceCorner};
 use super::displacement::{
-    DisplacementNormals, DisplacementReach, FaceConstraint, FaceConstraints, HalfSpace, deviations,
+    DisplacementNormals, FaceConstraint, FaceConstraints, HalfSpace, MaxDisplacement, deviations,
     face_constraints, shortest_displacement,
 };
 use super::face_sides::{FaceSide, MOST_CUTS, SideQuery, classify_sides};
@@ -60,7 +60,7 @@ pub(super) struct Sandwich {
 pub(crate) struct SandwichGoal {
     /// The largest displacement allowed.
     pub limit: Option<f64>,
-    /// The first margin as a share of what samples require.
+    /// The first margin as a share of the displacement that samples require.
     pub margin: f64,
     /// The first margin's minimum as a share of the limit.
     pub least_share: f64,
@@ -93,14 +93,14 @@ impl SandwichGoal {
 
 /// The most rounds: margins grow to 4⁶ times their first size.
 const ROUNDS: usize = 4;
-/// The most attempts: if faces are still open after the rounds, displacements are chosen again with a longer
-/// reach.
+/// The most attempts: if faces are still open after the rounds, displacements are chosen again with a larger
+/// maximum.
 const ATTEMPTS: usize = 3;
 /// With more open faces than this, and more than one in [`FEW`], success is unlikely. Measured: 4,400 of
 /// 21,000 where letters are cut into parts that abut; one of ten on shells that are proved in the end.
 const MANY: usize = 1024;
 const FEW: usize = 8;
-/// The factor of that longer reach. Chosen: as much as margins grow in the rounds.
+/// The factor of that larger maximum. Chosen: as much as margins grow in the rounds.
 const FARTHER: f64 = 16.0;
 /// The factor by which a margin grows if the proof fails. Chosen: two bisections reduce |f − L| on pieces
 /// to a quarter.
@@ -112,7 +112,7 @@ const LEAST_SHARE: f64 = 256.0 * f64::EPSILON;
 const FACE_SHARE: f64 = 1.0 / 4096.0;
 /// Displacements are at most this share of a limit, so that their lengths rounded up are within it.
 const REACH: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-/// A displacement may exceed what samples require by this multiple of the allowance. Chosen: more than 1,
+/// A displacement may exceed the required one by this multiple of the allowance. Chosen: more than 1,
 /// since it may be at an angle to the gradient that has to be followed.
 const ALLOWED: f64 = 1.25;
 /// Bisections in the search for the largest margin within a limit.
@@ -129,7 +129,7 @@ pub(crate) fn is_hopeless(n_open: usize, n_all: usize) -> bool {
 /// The margin of a vertex on one side.
 #[derive(Clone, Copy, Debug)]
 struct VertexMargin {
-    /// The length by which its displacement may exceed what samples require.
+    /// The length by which its displacement may exceed the one that samples require.
     allowance: f64,
     /// Whether no longer displacement is allowed.
     is_at_limit: bool,
@@ -139,7 +139,7 @@ struct VertexDisplacement {
     by: [f64; 3],
     /// Whether no longer displacement is allowed.
     is_at_limit: bool,
-    /// Whether it is longer than what samples require.
+    /// Whether it is longer than the one that samples require.
     has_margin: bool,
 }
 
@@ -191,17 +191,20 @@ impl Sandwich {
     ) -> Result<Self, LeafError> {
         let ClosedMesh { mesh, ids } = tied;
         let triangles = Rc::new(CopyMesh::new(mesh, ids));
-        let mut reaches = reaches(mesh, &triangles, &deviations(regions, evaluator, mesh)?);
+        let mut max_displacements =
+            max_displacements(mesh, &triangles, &deviations(regions, evaluator, mesh)?);
         let copies = [0, 1].map(|_| CopyBuilder::new(Rc::clone(&triangles)));
-        let mut builder = SandwichBuilder { mesh, ids, demands: Default::default(), goal, copies };
+        let mut builder = SandwichBuilder { mesh, ids, constraints: Default::default(), goal, copies };
         let mut open: [Vec<u32>; 2] = [0, 1].map(|_| (0..mesh.faces().len() as u32).collect());
         for attempt in 0..ATTEMPTS {
-            let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
+            let is_limited = |distance: f64| goal.limit.is_some_and(|limit| distance >= limit);
             let most = goal.limit.unwrap_or(f64::MAX);
-            reaches.iter_mut().for_each(|reach| reach.now = lesser(reach.now, most));
+            max_displacements
+                .iter_mut()
+                .for_each(|displacement| displacement.now = lesser(displacement.now, most));
             let ways =
                 if attempt == 0 { DisplacementNormals::Vertex } else { DisplacementNormals::VertexAndFace };
-            builder.demands = face_constraints(regions, evaluator, mesh, &reaches, ways)?;
+            builder.constraints = face_constraints(regions, evaluator, mesh, &max_displacements, ways)?;
             builder.start(&open);
             for (side, open) in open.iter_mut().enumerate() {
                 *open = builder.close(side, open, regions, evaluator)?;
@@ -211,11 +214,11 @@ impl Sandwich {
             let is_enough = goal.faces_first && is_hopeless(still.len(), mesh.faces().len());
             if is_enough
                 || evaluator.is_over()
-                || still.iter().all(|face| is_limited(reaches[*face as usize].now))
+                || still.iter().all(|face| is_limited(max_displacements[*face as usize].now))
             {
                 break;
             }
-            reaches.iter_mut().for_each(|reach| reach.now *= FARTHER);
+            max_displacements.iter_mut().for_each(|displacement| displacement.now *= FARTHER);
         }
         let (bounds, open) = (builder.bounds(), builder.own_faces(&open));
         Ok(Self { copies: builder.copies.map(CopyBuilder::into_mesh), open, bounds })
@@ -270,7 +273,7 @@ impl CopyBuilder {
 struct SandwichBuilder<'a> {
     mesh: &'a Mesh,
     ids: &'a [u32],
-    demands: [FaceConstraints; 2],
+    constraints: [FaceConstraints; 2],
     goal: &'a SandwichGoal,
     copies: [CopyBuilder; 2],
 }
@@ -301,11 +304,11 @@ impl SandwichBuilder<'_> {
         let triangles = &self.copies[side].triangles;
         let corners = triangles.corners_obeyed(vertex);
         let constraints = (0..2).flat_map(|side| self.constraints_of(corners, side));
-        let lacks = constraints.map(|(demand, corner)| demand.deficits[corner]);
+        let lacks = constraints.map(|(constraint, corner)| constraint.deficits[corner]);
         let lack = lacks.fold(0.0, |most: f64, lack| greater(lack, most));
         let p = triangles.positions[vertex as usize];
-        let reach = p.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-        let least = LEAST_SHARE * reach;
+        let largest = p.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let least = LEAST_SHARE * largest;
         let of_limit = self.goal.limit.map_or(0.0, |limit| self.goal.least_share * limit);
         self.goal.margin * lack + greater(of_limit, least)
     }
@@ -316,9 +319,9 @@ impl SandwichBuilder<'_> {
         corners: &'c [FaceCorner],
         side: usize,
     ) -> impl Iterator<Item = (&'c FaceConstraint, usize)> {
-        let demands = &self.demands[side];
+        let constraints = &self.constraints[side];
         corners.iter().flat_map(move |(face, corner)| {
-            demands.of_face(*face).iter().map(move |demand| (demand, usize::from(*corner)))
+            constraints.of_face(*face).iter().map(move |constraint| (constraint, usize::from(*corner)))
         })
     }
 
@@ -339,14 +342,14 @@ impl SandwichBuilder<'_> {
     fn best_displacement(&self, corners: &[FaceCorner], side: usize, allowance: f64) -> VertexDisplacement {
         let constraints = self.constraints_of(corners, side);
         let half_spaces: Vec<HalfSpace> =
-            constraints.map(|(demand, corner)| demand.of_corner(corner)).collect();
+            constraints.map(|(constraint, corner)| constraint.of_corner(corner)).collect();
         let chosen = self.displacement(&half_spaces, allowance);
         if chosen.has_margin {
             return chosen;
         }
-        let constraints = self.constraints_of(corners, side).filter(|(demand, _)| demand.is_on);
+        let constraints = self.constraints_of(corners, side).filter(|(constraint, _)| constraint.is_on);
         let on_primitives: Vec<HalfSpace> =
-            constraints.map(|(demand, corner)| demand.of_corner(corner)).collect();
+            constraints.map(|(constraint, corner)| constraint.of_corner(corner)).collect();
         let by_primitives = self.displacement(&on_primitives, allowance);
         if by_primitives.has_margin { by_primitives } else { chosen }
     }
@@ -363,11 +366,11 @@ impl SandwichBuilder<'_> {
         };
         let limit = self.goal.limit.map_or(f64::INFINITY, |limit| REACH * limit);
         let required = with(1.0, 0.0).filter(|d| length(*d) <= limit);
-        let reach = required.map_or(limit, |d| length(d) + ALLOWED * allowance);
-        let is_at_limit = reach >= limit;
-        let reach = if is_at_limit { limit } else { reach };
+        let max_length = required.map_or(limit, |d| length(d) + ALLOWED * allowance);
+        let is_at_limit = max_length >= limit;
+        let max_length = if is_at_limit { limit } else { max_length };
         let largest = |at_share: &dyn Fn(f64) -> Option<[f64; 3]>| {
-            let fits = |share: f64| at_share(share).filter(|d| length(*d) <= reach);
+            let fits = |share: f64| at_share(share).filter(|d| length(*d) <= max_length);
             let (mut low, mut high, mut largest_fit) = (0.0, 1.0, fits(1.0));
             if largest_fit.is_none() {
                 for _ in 0..HALVINGS {
@@ -536,7 +539,7 @@ impl SandwichBuilder<'_> {
 
 /// By face: an estimate of the displacement that its corners need, twice the distance of any adjacent face
 /// from the surface.
-fn reaches(mesh: &Mesh, triangles: &CopyMesh, deviations: &[f64]) -> Vec<DisplacementReach> {
+fn max_displacements(mesh: &Mesh, triangles: &CopyMesh, deviations: &[f64]) -> Vec<MaxDisplacement> {
     let n = mesh.positions().len() as u32;
     let of_vertex: Vec<f64> = (0..n)
         .map(|v| triangles.faces_around(v).fold(0.0, |most, face| greater(deviations[face as usize], most)))
@@ -545,7 +548,7 @@ fn reaches(mesh: &Mesh, triangles: &CopyMesh, deviations: &[f64]) -> Vec<Displac
         let least = FACE_SHARE * Box3::from_points(&mesh.corners(number)).diagonal();
         let of_corner = |v: &u32| 2.0 * of_vertex[triangles.ids[*v as usize] as usize];
         let far = face.iter().fold(least, |most, v| greater(of_corner(v), most));
-        DisplacementReach { at_first: far, now: far }
+        MaxDisplacement { at_first: far, now: far }
     };
     mesh.faces().iter().enumerate().map(of_face).collect()
 }

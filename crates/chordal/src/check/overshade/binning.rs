@@ -14,7 +14,7 @@ const BYTES_PER_PIXEL: u64 = 32;
 /// Pixel centres are shifted by less than half a pixel, which the rows of bands include.
 pub(super) const MOST_SHIFT: i64 = STEPS / 2 - 1;
 /// No triangle.
-pub(super) const NOBODY: u32 = u32::MAX;
+pub(super) const NO_FACE: u32 = u32::MAX;
 
 /// A mesh before a camera, binned.
 pub(super) struct BinnedMesh<'a> {
@@ -187,11 +187,11 @@ impl<'a> BinnedMesh<'a> {
         }
     }
 
-    /// The nearest triangle at each pixel of a band, row by row, or [`NOBODY`]. Ties go to the first.
+    /// The nearest triangle at each pixel of a band, row by row, or [`NO_FACE`]. Ties go to the first.
     pub fn nearest(&self, band: &ScreenBand, shift: [i64; 2]) -> Vec<u32> {
         let width = self.projected.size[0];
         let n = (width * (band.rows[1] - band.rows[0])) as usize;
-        let (mut nearest, mut depth) = (vec![NOBODY; n], vec![f64::NEG_INFINITY; n]);
+        let (mut nearest, mut depth) = (vec![NO_FACE; n], vec![f64::NEG_INFINITY; n]);
         self.for_each_triangle(band, shift, |face, piece, rows| {
             for row in rows[0]..rows[1] {
                 let [first, end] = piece.span_within(row, width);

@@ -1,5 +1,5 @@
 //! `Flicker`: the change of the picture if the view moves by less than a pixel.
-use super::binning::{BinnedMesh, MOST_SHIFT, NOBODY, ScreenBand};
+use super::binning::{BinnedMesh, MOST_SHIFT, NO_FACE, ScreenBand};
 use super::over_bands;
 use super::projection::{CHUNK, ScreenMesh};
 use crate::budget::{Camera, Job, JobError, par_map};
@@ -87,9 +87,9 @@ fn band_flicker(banded: &BinnedMesh, band: &ScreenBand, shades: &[f32], job: &Jo
             return (0.0, 0);
         }
         for (at, face) in banded.nearest(band, shift).into_iter().enumerate() {
-            if face != NOBODY {
-                // In single precision 16 equal shades and their squares add up without rounding, so they
-                // change by 0.
+            if face != NO_FACE {
+                // Shades have 24 bits, so f64 sums of 16 equal ones and of their squares are exact, and their
+                // change is 0.
                 let shade = f64::from(shades[face as usize]);
                 sums[at] += shade;
                 squares[at] += shade * shade;

@@ -10,7 +10,7 @@ pub use micro::{MicroTriangles, micro_triangles};
 
 use crate::budget::{Camera, Job, JobError, Progress, par_map};
 use crate::explicit::{HitSides, Mesh};
-use binning::{BinnedMesh, NOBODY, ScreenBand};
+use binning::{BinnedMesh, NO_FACE, ScreenBand};
 use raster_triangle::quad_runs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -89,7 +89,7 @@ impl Overshade {
     }
 }
 
-/// Rasterizes the triangles of `mesh` as GPUs do, and counts what they would shade.
+/// Rasterizes the triangles of `mesh` as GPUs do, and counts their shading work.
 ///
 /// Corners are rounded to 1/256 of a pixel; after that everything is exact. A pixel belongs to the triangles
 /// that contain its centre, and to one of two that share an edge (the top-left rule). Parts before the near
@@ -194,10 +194,10 @@ fn visible(nearest: &[u32], width: usize) -> ShadingCounts {
     for rows in nearest.chunks(2 * width) {
         let (upper, lower) = rows.split_at(width);
         for column in (0..width).step_by(2) {
-            let two = |row: &[u32]| [0, 1].map(|k| row.get(column + k).copied().unwrap_or(NOBODY));
+            let two = |row: &[u32]| [0, 1].map(|k| row.get(column + k).copied().unwrap_or(NO_FACE));
             let ([a, b], [c, d]) = (two(upper), two(lower));
             let corners = [a, b, c, d];
-            for (k, face) in corners.iter().enumerate().filter(|(_, face)| **face != NOBODY) {
+            for (k, face) in corners.iter().enumerate().filter(|(_, face)| **face != NO_FACE) {
                 shaded.fragments += 1;
                 shaded.quads += u64::from(!corners[..k].contains(face));
             }

@@ -152,8 +152,9 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     let allowed = sub_down(length, of_polygons);
     // Chosen: a budget is in reach if rounding takes at most a quarter of it.
     if allowed < 4.0 * rounding {
-        let message =
-            format!("{length:e} is less than what rounding may cost solids of this size, {rounding:.1e}");
+        let message = format!(
+            "{length:e} is less than the possible rounding error of solids of this size, {rounding:.1e}"
+        );
         return Err(Failure::refused(RefusalCode::BelowPrecision, message));
     }
     let limits = RoofLimits { width, rounding, allowed };

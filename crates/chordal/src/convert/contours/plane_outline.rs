@@ -13,9 +13,8 @@
 //! distance. The tree is evaluated with both signs of C's own primitive. If the results differ, a point of S is
 //! within w of every point of C there; otherwise none is. **In the intervals** S may be anywhere. The undecided
 //! intervals are gathered into corners: boxes that overlap. Each corner has to be the end of some stretch of S, and
-//! stands for one vertex. So S and the loops through the vertices are within the size of the largest corner of each
-//! other. If that is too large, if a curve is neither a line nor a circle, or if it lies on another, there is no
-//! outline, and the caller samples the field.
+//! stands for one vertex. So S and the loops through the vertices are within the size of the largest corner. If that
+//! is too large, a curve is no line or circle, or it lies on another, there is no outline, and the caller samples.
 use super::plane_function::{PlaneCurve, PlaneFunction};
 use crate::budget::{Job, par_map};
 use crate::explicit::DisjointSets;

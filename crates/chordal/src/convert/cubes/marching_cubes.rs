@@ -46,7 +46,8 @@ pub(crate) struct Isosurface<P> {
 pub(crate) struct MarchingPlan {
     pub(super) bits: SignBits,
     slabs: Vec<LatticeSlab>,
-    /// The first vertex of each kind in each row.
+    /// The first vertex of each kind in each row. Kinds: on a lattice edge along x, y or z, or on a cap
+    /// (`sign_bits.rs`).
     starts: Vec<[u32; KINDS]>,
     /// The number of vertices.
     pub vertices: usize,

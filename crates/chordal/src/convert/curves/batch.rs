@@ -53,6 +53,8 @@ impl<const D: usize> Polylines<D> {
 const MOST: f64 = 1e8;
 
 impl<const D: usize> BezierCutter<D> {
+    /// A cutter for a tolerance.
+    ///
     /// # Errors
     /// In an environment that flushes subnormals, so that no bound can be proved.
     pub fn new(tolerance: Tolerance, spacing: Spacing) -> Result<Self, Failure<()>> {
@@ -155,7 +157,8 @@ impl<const D: usize> Kernel for AppendKernel<'_, '_, D> {
 
 #[cold]
 fn below_rounding<T>(tolerance: f64, rounding: f64) -> Failure<T> {
-    let message = format!("the tolerance {tolerance:.3e} is below what rounding may cost, {rounding:.3e}");
+    let message =
+        format!("the tolerance {tolerance:.3e} is below the possible rounding error {rounding:.3e}");
     Failure::refused(RefusalCode::BelowPrecision, message)
 }
 

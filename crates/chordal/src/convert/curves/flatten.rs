@@ -33,9 +33,9 @@ struct PathPiece<'a, const D: usize> {
     bounds: Box3,
     /// The error of the piece itself, without any chord: rounding, and the error of the path's data.
     rounding_error: f64,
-    /// The part of it that is the slack of the arc.
+    /// How much of `rounding_error` comes from the arc's slack.
     arc_slack: f64,
-    /// The part of it that is the slack of the path.
+    /// How much of `rounding_error` comes from the path's slack.
     path_slack: f64,
     path: usize,
 }
@@ -103,8 +103,8 @@ const BYTES_PER_POINT: f64 = 64.0;
 /// segments. Measured: a larger bound with more segments then occurs in 16 of 400 series of hard curves instead of 20
 /// (`tests/curve_referee/counts.rs`).
 const COUNTED: u64 = 4096;
-/// The roundings of a rational piece's deviation are below the inverse of this of the piece's rounding error. Chosen:
-/// they are about 1, and the rounding error is 64 times a square of at least 5.
+/// A rational piece's deviation is computed to within its rounding error divided by this; smaller tolerances are
+/// refused. Chosen: its roundings are about 1, and the rounding error is 64 times a square of at least 5.
 const ROUNDED: f64 = 256.0;
 /// Lengths per octave in the geometric series of candidate lengths. Chosen, as for patches.
 const RUNGS: u32 = 32;
@@ -112,6 +112,8 @@ const RUNGS: u32 = 32;
 const OCTAVES: u32 = 120;
 
 impl<'a, const D: usize> Flattener<'a, D> {
+    /// The pieces of some paths, with their rounding errors.
+    ///
     /// # Errors
     /// If a number is not finite or too large, or in an environment that flushes subnormals.
     pub(crate) fn new(
@@ -193,7 +195,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         if remaining > least {
             return Ok(remaining);
         }
-        let message = format!("the budget of {length:.3e} is less than {}", part.why_uncertain());
+        let message = format!("the budget of {length:.3e} is smaller than {}", part.why_uncertain());
         Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
@@ -376,15 +378,15 @@ impl<const D: usize> PathPiece<'_, D> {
         if 2.0 * self.arc_slack > all {
             let slack = self.arc_slack;
             format!(
-                "what is open of an arc of path {path} about ({x}, {y}), {slack:.3e}: its ends, radii and rounded rotation make it nearly half an ellipse, or its ellipse is very flat"
+                "the uncertainty {slack:.3e} of an arc of path {path} near ({x}, {y}): its ends, radii and rounded rotation make it nearly half an ellipse, or its ellipse is very flat"
             )
         } else if 2.0 * self.path_slack > all {
             let slack = self.path_slack;
             format!(
-                "what rounding of its numbers may have moved path {path} by before, {slack:.3e} (relative coordinates, rotations of arcs, transforms)"
+                "the rounding already in path {path}, {slack:.3e} (relative coordinates, rotations of arcs, transforms)"
             )
         } else {
-            format!("what rounding may cost at this distance from the origin, {all:.3e}")
+            format!("the possible rounding error {all:.3e} at this distance from the origin")
         }
     }
 }

@@ -154,7 +154,7 @@ pub(crate) fn rounding<const D: usize>(piece: &CurveSegment<D>) -> f64 {
         CurveSegment::Line(points) => coordinate_reach(points),
         CurveSegment::Cubic(cubic) => coordinate_reach(&cubic.control),
         CurveSegment::Rational(curve) => return rational_chord::rounding(curve),
-        CurveSegment::Arc(arc) => arc.reaches().iter().fold(0.0, |sum, x| sum + x),
+        CurveSegment::Arc(arc) => arc.magnitudes().iter().fold(0.0, |sum, x| sum + x),
     };
     rounding_at(size)
 }

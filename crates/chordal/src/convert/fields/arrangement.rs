@@ -6,7 +6,7 @@
 //!            2            The section of plane i. Its sides lie on the facets f0, f1, f2 of the
 //!           / \           tetrahedron; corner t is between side t − 1 and side t.
 //!      f2  / P \  f1
-//!         x--j--y         Plane j cuts it into P, with the sides f1, f2, j, and Q, with the
+//!         x──j──y         Plane j cuts it into P, with the sides f1, f2, j, and Q, with the
 //!        /   Q   \        sides f0, f1, j, f2. The sign of j is negative on one of them.
 //!       0---------1
 //!           f0            x is identified as "planes i and j, on facet f2".

@@ -21,8 +21,8 @@ const OUTSIDE: u32 = u32::MAX;
 const INSIDE: u32 = u32::MAX - 1;
 /// Boxes of a task. Chosen: enough to repay its start, and neighbours that share intermediate results.
 const TASK: usize = 256;
-/// The distance of the first sample from the bounds beyond one step, as fractions of a step. Chosen: no simple
-/// fractions, so that samples are seldom on faces that are parallel to an axis.
+/// How far beyond one step the first sample lies outside the bounds, in steps. Chosen: no simple fractions, so
+/// that samples are seldom on faces that are parallel to an axis.
 const SHIFT: [f64; 3] = [0.381_966, 0.436_571, 0.291_503];
 /// Bytes for each triangle of a lattice's mesh: itself, its share of vertices, and of the tree and its construction.
 /// Measured: a tree takes 80.
@@ -79,7 +79,7 @@ impl SignLattice {
         let n_bricks = lattice.size.map(|n| n.div_ceil(BRICK));
         let n_entries: usize = n_bricks.iter().product();
         // The directory, and the sign bits for marching cubes.
-        too_large(4 * n_entries as u64 + lattice.len() as u64 / 8, job)?;
+        check_memory(4 * n_entries as u64 + lattice.len() as u64 / 8, job)?;
         let mut sampled = Self {
             lattice,
             bricks: Vec::new(),
@@ -94,7 +94,7 @@ impl SignLattice {
         if job.is_finishing() {
             return Err(unfinished());
         }
-        too_large(near.len() as u64 * (4 * VOLUME + 64) as u64, job)?;
+        check_memory(near.len() as u64 * (4 * VOLUME + 64) as u64, job)?;
         let done = par_map(job, &near, |_, at| {
             let is_over = job.is_cancelled() || job.is_finishing();
             if is_over { Ok((None, 0)) } else { sampled.sample_brick(&tape, *at) }
@@ -144,7 +144,7 @@ impl SignLattice {
                 return Ok(open);
             }
             level -= 1;
-            too_large(8 * 12 * open.len() as u64, job)?;
+            check_memory(8 * 12 * open.len() as u64, job)?;
             let parts = open.iter().flat_map(|at| {
                 (0..8_u32).map(move |part| [0, 1, 2].map(|k| 2 * at[k as usize] + (part >> k & 1)))
             });
@@ -179,7 +179,7 @@ impl SignLattice {
         Box3 { min: min.map(|x| -sub_up(margin, x)), max: max.map(|x| crate::math::add_up(x, margin)) }
     }
 
-    /// Samples a brick; also returns the number of samples whose sign rounding may decide.
+    /// Samples a brick; also returns the number of samples whose sign may be wrong through rounding.
     fn sample_brick(&self, tape: &Tape, at: [u32; 3]) -> Result<(Option<SignBrick>, u64), LeafError> {
         let first = at.map(|k| k as usize * BRICK);
         let mut values = vec![self.step as f32; VOLUME];
@@ -258,7 +258,7 @@ impl SignLattice {
                 "there is no surface: no sample of the lattice is inside",
             ));
         }
-        too_large(BYTES_A_TRIANGLE * isosurface.faces.len() as u64, job)?;
+        check_memory(BYTES_A_TRIANGLE * isosurface.faces.len() as u64, job)?;
         Ok(Mesh::by_construction(isosurface.positions, isosurface.faces))
     }
 
@@ -272,7 +272,7 @@ impl SignLattice {
         vertex_errors(&self.lattice.affine, &self.rule, self.lattice.size).1
     }
 
-    /// The number of samples whose sign rounding may decide.
+    /// The number of samples whose sign may be wrong through rounding.
     pub(super) fn n_doubtful(&self) -> u64 {
         self.n_doubtful
     }
@@ -333,7 +333,10 @@ impl SampleSource for SignLattice {
 
 /// The failure of a lattice that is stopped because the job finishes: a coarser mesh is returned instead.
 fn unfinished() -> Failure<Mesh> {
-    Failure::refused(RefusalCode::Empty, "the time ended before the cells that the length needs were sampled")
+    Failure::refused(
+        RefusalCode::Empty,
+        "the time ended before the cells that the tolerance needs were sampled",
+    )
 }
 
 /// The sides of many boxes; unknown for boxes that were not evaluated because the job ends.
@@ -363,7 +366,7 @@ fn lattice_around(bounds: &Box3, step: f64) -> Result<Lattice, Failure<Mesh>> {
     let largest = counts.iter().fold(0.0, |most, n| greater(*n, most));
     // Indices of bricks and blocks stay far below 2³².
     if largest.is_nan() || largest >= f64::from(1_u32 << 24) {
-        let message = format!("the length is so small that the shape is {largest:.1e} cells wide");
+        let message = format!("the tolerance is so small that the shape is {largest:.1e} cells wide");
         return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
     }
     let affine = Affine3::cubes(origin, step);
@@ -372,7 +375,7 @@ fn lattice_around(bounds: &Box3, step: f64) -> Result<Lattice, Failure<Mesh>> {
 }
 
 /// Refuses a number of bytes beyond the job's memory.
-pub(super) fn too_large(bytes: u64, job: &Job) -> Result<(), Failure<Mesh>> {
+pub(super) fn check_memory(bytes: u64, job: &Job) -> Result<(), Failure<Mesh>> {
     if bytes <= job.memory_limit {
         return Ok(());
     }

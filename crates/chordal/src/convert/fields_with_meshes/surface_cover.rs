@@ -10,7 +10,7 @@
 //! The boxes that remain there are counted, and the bound holds on the condition that they contain no surface.
 use super::leaf_failure;
 use super::sign_lattice::{
-    N_BLOCKS, RangeSide, SignLattice, block_at, half_diagonal, range_sides, too_large,
+    N_BLOCKS, RangeSide, SignLattice, block_at, check_memory, half_diagonal, range_sides,
 };
 use crate::budget::{Failure, Job, par_map};
 use crate::convert::lattice::BRICK;
@@ -97,7 +97,7 @@ pub(super) fn farthest(
             return Err(Failure::Cancelled);
         }
         // Memory of the boxes, their halves, and the results for both.
-        too_large(16 * 48 * waiting.len() as u64, job)?;
+        check_memory(16 * 48 * waiting.len() as u64, job)?;
         let sides = range_sides(&tape, &waiting, job)?;
         let undecided: Vec<Box3> = waiting
             .into_iter()

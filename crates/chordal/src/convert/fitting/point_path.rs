@@ -35,6 +35,8 @@ pub(crate) struct PointPath<const D: usize> {
 const SIDE: usize = 16;
 
 impl<const D: usize> PointPath<D> {
+    /// A path through points, cut at its corners.
+    ///
     /// # Errors
     /// If there is no point, a number is not finite or too large, or a corner's index or angle is out of range.
     pub fn new<T>(points: &[[f64; D]], closed: bool, corners: &Corners) -> Result<Self, Failure<T>> {

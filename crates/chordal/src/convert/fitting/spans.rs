@@ -107,7 +107,7 @@ pub(crate) fn spline<const D: usize>(
             // Bounds are never NaN.
             if span.bound > length.get() {
                 let message = format!(
-                    "the length of {:e} is less than what rounding may cost at this distance from the origin, {:.3e}",
+                    "the tolerance {:e} is less than the possible rounding error at this distance from the origin, {:.3e}",
                     length.get(),
                     span.bound
                 );

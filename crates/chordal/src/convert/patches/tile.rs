@@ -276,11 +276,11 @@ impl TileTriangulator<'_> {
     /// outermost row or column, a strip connects the grid to the points of that side:
     ///
     /// ```text
-    ///   o--o--o--o--o--o     a side with more segments than cells
+    ///   o──o──o──o──o──o     a side with more segments than cells
     ///   |\/ \ /\/ \/\ /|     strip
-    ///   o---o----o-----o
+    ///   o───o────o─────o
     ///   | / | /  |  /  |     equal cells
-    ///   o---o----o-----o
+    ///   o───o────o─────o
     /// ```
     fn grid(&mut self, i: [usize; 2], j: [usize; 2]) {
         let (n, m) = (self.n, self.m);

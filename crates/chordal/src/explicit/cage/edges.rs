@@ -23,8 +23,8 @@ impl CageEdges {
         Self::with_classes(cage, |_| 0)
     }
 
-    /// Sides with the same ends are one edge only if their corners have the same class: in a round of Loop's
-    /// scheme two edges may have the same ends.
+    /// `class` tells apart edges that have the same two ends, as a round of Loop subdivision can produce: sides
+    /// are one edge only if their corners have the same class.
     pub fn with_classes(cage: &Cage, class: impl Fn(u32) -> u32 + Copy) -> Self {
         let halves = CageHalfEdges::new(cage, class);
         // Edges are numbered in the order of the first corner.
@@ -86,7 +86,7 @@ impl CageEdges {
 /// Half-edges by their lower vertex: the end of each vertex's list, and for each half-edge the other vertex,
 /// its corner, and whether it runs upwards; sorted in that order.
 struct CageHalfEdges {
-    ends: Vec<u32>,
+    row_ends: Vec<u32>,
     all: Vec<(u32, u32, bool)>,
 }
 
@@ -100,22 +100,23 @@ impl CageHalfEdges {
             if a < b { (a, (b, true)) } else { (b, (a, false)) }
         });
         let pairs = low.enumerate().map(|(corner, (low, (high, up)))| (low, (high, corner as u32, up)));
-        let (ends, mut all) = csr_lists(cage.positions.len(), pairs);
+        let (row_ends, mut all) = csr_lists(cage.positions.len(), pairs);
         let mut start = 0;
-        for end in &ends {
+        for end in &row_ends {
             let order = |(high, corner, _): &(u32, u32, bool)| (*high, class(*corner), *corner);
             all[start..*end as usize].sort_unstable_by_key(order);
             start = *end as usize;
         }
-        Self { ends, all }
+        Self { row_ends, all }
     }
 
     /// The half-edges of each edge, with the lower of its ends, in ascending order.
     fn runs(&self, class: impl Fn(u32) -> u32 + Copy) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
         let runs_of = move |low: usize| {
-            csr_row(&self.ends, &self.all, low).chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
+            csr_row(&self.row_ends, &self.all, low)
+                .chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
         };
-        (0..self.ends.len()).flat_map(move |low| runs_of(low).map(move |run| (low as u32, run)))
+        (0..self.row_ends.len()).flat_map(move |low| runs_of(low).map(move |run| (low as u32, run)))
     }
 }
 

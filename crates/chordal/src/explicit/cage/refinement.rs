@@ -52,7 +52,6 @@ impl Cage {
 /// Faces, creases and the rules of all points are computed once, from the cage and its first round alone.
 /// Only the sharpness along creases that end between rounds grows with the number of rounds. About 200 bytes
 /// per corner of the cage.
-/// corner of the cage.
 ///
 /// ```
 /// use chordal::budget::Job;

@@ -57,8 +57,10 @@ pub(super) fn check<const D: usize>(
 }
 
 impl<const D: usize> NurbsCurve<D> {
+    /// A curve from knots, control points and their weights.
+    ///
     /// # Errors
-    /// When the number of control points or weights is not what the knots need, a number is not finite, or a
+    /// When the number of control points or weights does not match the knots, a number is not finite, or a
     /// weight is not above 0.
     pub fn new(knots: KnotVector, control: Vec<[f64; D]>, weights: Vec<f64>) -> Result<Self, InvalidNurbs> {
         check(&control, &weights, knots.n_control())?;

@@ -30,6 +30,8 @@ const MOST: usize = 30;
 const FARTHEST: f64 = 1e150;
 
 impl KnotVector {
+    /// The knots of a spline of a degree.
+    ///
     /// # Errors
     /// When the degree is 0 or beyond 30, a number is not finite, knots decrease or repeat more often than
     /// the degree (once more at the ends), or there are too few.
@@ -264,7 +266,7 @@ pub enum InvalidNurbs {
     },
     /// The first and the last parameter are equal.
     NoLength,
-    /// The number of control points or weights is not what the knots need.
+    /// The number of control points or weights does not match the knots.
     Count {
         /// The kind of items.
         what: &'static str,

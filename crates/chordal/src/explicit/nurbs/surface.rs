@@ -44,8 +44,10 @@ pub(crate) struct BezierNet<'a> {
 }
 
 impl NurbsSurface {
+    /// A surface from knots, control points row by row, and their weights.
+    ///
     /// # Errors
-    /// When the number of control points or weights is not what the knots need, a number is not finite, or a
+    /// When the number of control points or weights does not match the knots, a number is not finite, or a
     /// weight is not above 0.
     pub fn new(
         knots: [KnotVector; 2],

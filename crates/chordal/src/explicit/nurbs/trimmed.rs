@@ -9,7 +9,6 @@ use std::fmt;
 /// The loops are closed paths in the plane of the parameters `u` and `v`, which need not touch. The region to
 /// their left belongs to the surface, so outer loops run counter-clockwise and holes clockwise. Regions
 /// outside the range of the parameters are no part of it. Without a loop it is the entire surface.
-/// range of the parameters is no part of it. Without a loop it is all of the surface.
 ///
 /// ```
 /// use chordal::explicit::nurbs::{NurbsCurve, NurbsSurface, TrimmedSurface};
@@ -29,13 +28,15 @@ pub struct TrimmedSurface {
 
 /// The largest distance, relative to the range of a parameter, by which a loop may leave the range: the
 /// region outside is cut off. Chosen: near the pole of a sphere, where parameters mean little, CAD programs
-/// leave it by a third; a loop of another surface leaves it by more.
+/// leave it by a third; a loop that belongs to a different surface usually leaves it by more than half.
 const OUTSIDE: f64 = 0.5;
 /// Points on each piece of a loop at which that is checked. Chosen: an excursion between two of them is cut
 /// off.
 const SAMPLES: usize = 16;
 
 impl TrimmedSurface {
+    /// The part of a surface within loops in its parameter plane.
+    ///
     /// # Errors
     /// When a loop is not closed, or leaves the range of the surface's parameters by more than half of it.
     pub fn new(surface: NurbsSurface, loops: Vec<Curve<2>>) -> Result<Self, InvalidTrim> {

@@ -172,7 +172,7 @@ impl CsgMaterials {
     ) -> MaterialChoice {
         let mut stack: Vec<NodeAtFace> = Vec::new();
         for (node, material) in tree.nodes().iter().zip(&self.nodes) {
-            let (p, falls) = match *node {
+            let (p, is_node_complement) = match *node {
                 CsgNode::Union(n) | CsgNode::Intersection(n) => {
                     let first = stack.len() - n as usize;
                     let joined = NodeAtFace::joined(&stack[first..], matches!(node, CsgNode::Union(_)));
@@ -185,10 +185,10 @@ impl CsgMaterials {
             };
             let face_material = material.face.choice(&mut nearest);
             let volume = material.volume.map_or(face_material, MaterialChoice::One);
-            let sides = match (p == primitive, falls == is_complement) {
+            let sides = match (p == primitive, is_node_complement == is_complement) {
                 (true, true) => NodeAtFace::FACE,
                 (true, false) => [Membership::Outside, Membership::Inside],
-                (false, _) => [side(p).complement_if(falls); 2],
+                (false, _) => [side(p).complement_if(is_node_complement); 2],
             };
             let face = if sides == NodeAtFace::FACE { face_material } else { MaterialChoice::Never };
             stack.push(NodeAtFace { sides, face, volume });
@@ -243,7 +243,8 @@ pub(super) struct MaterialsBuilder {
     nodes: Vec<NodeMaterial>,
     /// The number of parts of blends so far.
     n_parts: u32,
-    /// By term: whether it or a term below has a mark. Empty until it is needed.
+    /// By term: whether it or a term below has a mark, a node that carries a material. Empty until it is
+    /// needed.
     has_marks: Vec<bool>,
 }
 
@@ -264,10 +265,10 @@ impl MaterialsBuilder {
     }
 
     /// Adds the primitive of a term, which already has a material if the number is not 0.
-    pub fn push_literal(&mut self, terms: &[Term], place: (u32, bool), material: OperandMaterial) {
+    pub fn push_literal(&mut self, terms: &[Term], literal: (u32, bool), material: OperandMaterial) {
         let OperandMaterial { number, cuts } = material;
         let node = match number {
-            0 => self.material_of(terms, place),
+            0 => self.material_of(terms, literal),
             _ => NodeMaterial { face: FaceMaterial::Whole(number), volume: cuts.then_some(0) },
         };
         self.nodes.push(node);

@@ -63,9 +63,8 @@ impl TriangleDistance {
         edges.into_iter().reduce(|l, r| if r.0 < l.0 { r } else { l }).map_or(p, |closest| closest.1)
     }
 
-    /// A bound on the error of a distance around `p`. The closest point is on an edge or, by signs that are
-    /// off by some roundings, in the plane: then it is near the edge, and off by as much as the area is
-    /// uncertain.
+    /// An upper bound on the rounding of [`Self::offset`] near `p`. If rounding puts a projection wrongly
+    /// inside, the plane is used instead of an edge; that error grows as the triangle gets thinner (`thin`).
     fn rounding(&self, p: [f64; 3]) -> f64 {
         let [a, b, c] = self.corners;
         let (e, f) = (difference(b, a), difference(c, a));
@@ -94,9 +93,9 @@ impl Leaf for TriangleDistance {
 
     fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
         for (bounds, range) in boxes.iter().zip(out) {
-            let (middle, reach) = self.reach(bounds);
+            let (middle, error) = self.middle_and_error(bounds);
             let value = length(self.offset(middle));
-            *range = Interval::new(sub_down(value, reach), add_up(value, reach)).unwrap_or(Interval::ENTIRE);
+            *range = Interval::new(sub_down(value, error), add_up(value, error)).unwrap_or(Interval::ENTIRE);
         }
         Ok(LeafAnswer::Given)
     }
@@ -104,10 +103,10 @@ impl Leaf for TriangleDistance {
     /// The offset from the closest point of a convex set is 1-Lipschitz.
     fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
         for (bounds, gradient) in boxes.iter().zip(out) {
-            let (middle, reach) = self.reach(bounds);
+            let (middle, error) = self.middle_and_error(bounds);
             let offset = self.offset(middle);
             let around =
-                |x: f64| Interval::new(sub_down(x, reach), add_up(x, reach)).unwrap_or(Interval::ENTIRE);
+                |x: f64| Interval::new(sub_down(x, error), add_up(x, error)).unwrap_or(Interval::ENTIRE);
             let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
             let size = around(length(offset));
             *gradient =
@@ -128,7 +127,7 @@ impl Leaf for TriangleDistance {
 impl TriangleDistance {
     /// The middle of a box, and a bound on the distance between the offsets of its points and the computed
     /// offset of the middle.
-    fn reach(&self, bounds: &Box3) -> ([f64; 3], f64) {
+    fn middle_and_error(&self, bounds: &Box3) -> ([f64; 3], f64) {
         let middle = bounds.centre();
         let size = middle.iter().fold(0.0, |sum, x| sum + x.abs());
         // Includes the rounding of the middle.

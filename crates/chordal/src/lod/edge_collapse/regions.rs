@@ -215,9 +215,9 @@ impl RegionCollapser {
 impl PastCollapse {
     /// The same collapse in the numbers of the whole surface.
     fn in_whole(&self, region: &SurfaceRegion) -> Self {
-        let h = region.half_edge(self.shrink.h);
+        let h = region.half_edge(self.collapse.h);
         let ends = self.ends.map(|v| region.vertices[v as usize]);
-        Self { shrink: super::EdgeCollapse { h, ..self.shrink }, ends }
+        Self { collapse: super::EdgeCollapse { h, ..self.collapse }, ends }
     }
 }
 
@@ -385,15 +385,15 @@ mod tests {
             // With a look at every collapse.
             let (mut looked, mut opened) = (before.clone(), is_open.clone());
             for past in &log {
-                let h = past.shrink.h;
+                let h = past.collapse.h;
                 let is_same = [looked.surface.start[h as usize], looked.surface.end(h)] == past.ends;
                 let is_closed = !past.ends.iter().any(|v| opened[*v as usize]);
                 if is_same
                     && is_closed
                     && looked.satisfies_link_condition(h)
-                    && looked.flips_no_face(&past.shrink)
+                    && looked.flips_no_face(&past.collapse)
                 {
-                    looked.apply(&past.shrink);
+                    looked.apply(&past.collapse);
                 } else {
                     past.ends.iter().for_each(|v| opened[*v as usize] = true);
                     n_left_out += 1;

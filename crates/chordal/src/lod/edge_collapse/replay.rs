@@ -7,7 +7,7 @@ use crate::explicit::previous_in_face;
 /// A recorded collapse.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::lod) struct PastCollapse {
-    pub(super) shrink: EdgeCollapse,
+    pub(super) collapse: EdgeCollapse,
     /// The vertices at the start and at the end of its edge.
     pub(super) ends: [u32; 2],
 }
@@ -15,29 +15,33 @@ pub(in crate::lod) struct PastCollapse {
 impl PastCollapse {
     /// The same collapse, in the numbers before a surface was compacted.
     pub fn before(&self, compaction: &Compaction) -> Self {
-        let h = compaction.old_half_edge(self.shrink.h);
-        Self { shrink: EdgeCollapse { h, ..self.shrink }, ends: self.ends.map(|v| compaction.old_vertex(v)) }
+        let h = compaction.old_half_edge(self.collapse.h);
+        Self {
+            collapse: EdgeCollapse { h, ..self.collapse },
+            ends: self.ends.map(|v| compaction.old_vertex(v)),
+        }
     }
 }
 
 impl EdgeCollapser {
-    /// From the state in which `past` began, repeats its collapses, except for those at open vertices and
-    /// those that are impossible without these; the vertices of the latter become open. No monitor checks
-    /// this. Afterwards the queue holds the edges of the open vertices.
+    /// From the state in which `past` began, repeats its collapses, except for those at open vertices, which
+    /// are to be tried again, and those that are impossible without these; the vertices of the latter become
+    /// open. No monitor checks this. Afterwards the queue holds the edges of the open vertices.
     pub fn replay(&mut self, past: &[PastCollapse], is_open: &mut [bool]) {
         let monitor = self.monitor.take();
         // Collapses without a monitor do not forget refusals.
         self.refused_within.fill(0.0);
-        for PastCollapse { shrink, ends } in past {
-            let h = shrink.h;
+        for PastCollapse { collapse, ends } in past {
+            let h = collapse.h;
             let is_same = self.surface.start[h as usize] == ends[0] && self.surface.end(h) == ends[1];
             let is_closed = !ends.iter().any(|v| is_open[*v as usize]);
-            // Where nothing around a collapse changed, earlier findings still apply; values at corners depend
+            // If nothing around a collapse changed, earlier findings still apply; values at corners depend
             // on the faces.
             let is_known = self.wedges.is_none() && !self.is_beside(ends, is_open);
-            let is_allowed = |this: &mut Self| this.satisfies_link_condition(h) && this.flips_no_face(shrink);
+            let is_allowed =
+                |this: &mut Self| this.satisfies_link_condition(h) && this.flips_no_face(collapse);
             if is_same && is_closed && (is_known || is_allowed(self)) {
-                self.carry_out(shrink);
+                self.carry_out(collapse);
             } else {
                 ends.iter().for_each(|v| is_open[*v as usize] = true);
             }

@@ -29,40 +29,40 @@ pub(in crate::lod) struct FailedAttempt {
 /// The state in which attempts begin: after collapses without a monitor, unless these turn out to be the
 /// problem.
 pub(in crate::lod) struct AttemptStart<'a> {
-    slight: Option<(MeshReduction<'a>, SlightCollapses)>,
+    unmonitored: Option<(MeshReduction<'a>, UnmonitoredCollapses)>,
     /// Each attempt is expected to halve the number of faces that are too far.
     most_violations: usize,
 }
 
 impl<'a> AttemptStart<'a> {
-    pub fn new(slight: Option<(MeshReduction<'a>, SlightCollapses)>) -> Self {
-        Self { slight, most_violations: usize::MAX }
+    pub fn new(unmonitored: Option<(MeshReduction<'a>, UnmonitoredCollapses)>) -> Self {
+        Self { unmonitored, most_violations: usize::MAX }
     }
 
     /// The state in which attempts begin; `start` is the state before all collapses.
-    pub fn from<'b>(&'b self, start: &'b MeshReduction<'a>) -> &'b MeshReduction<'a> {
-        self.slight.as_ref().map_or(start, |(from, _)| from)
+    pub fn state<'b>(&'b self, start: &'b MeshReduction<'a>) -> &'b MeshReduction<'a> {
+        self.unmonitored.as_ref().map_or(start, |(state, _)| state)
     }
 
     /// After a failed attempt: if it did not reduce the number of violations by half, further attempts begin
     /// before the collapses without a monitor.
-    pub fn follow(&mut self, failed: &mut FailedAttempt, report: &ViolationReport) {
+    pub fn after_failure(&mut self, failed: &mut FailedAttempt, report: &ViolationReport) {
         if report.count() > self.most_violations {
-            self.leave_slight(failed);
+            self.drop_unmonitored(failed);
         }
         self.most_violations = report.count() / 2;
     }
 
     /// Makes further attempts begin before the collapses without a monitor.
-    pub fn leave_slight(&mut self, failed: &mut FailedAttempt) {
-        if let Some((_, collapses)) = self.slight.take() {
+    pub fn drop_unmonitored(&mut self, failed: &mut FailedAttempt) {
+        if let Some((_, collapses)) = self.unmonitored.take() {
             failed.prepend(&collapses);
         }
     }
 }
 
 /// Collapses without a monitor, with the numbers of the remaining parts.
-pub(in crate::lod) struct SlightCollapses {
+pub(in crate::lod) struct UnmonitoredCollapses {
     log: Vec<PastCollapse>,
     merged_into: Vec<u32>,
     compaction: Option<Compaction>,
@@ -71,19 +71,19 @@ pub(in crate::lod) struct SlightCollapses {
 impl MeshReduction<'_> {
     /// The mesh after collapses without a monitor, whose cost is below a share of the tolerance, as long as
     /// there are more than `faces`; `None` if the result is not close enough.
-    pub fn after_slight(
+    pub fn after_unmonitored(
         &self,
         (share, faces): (f64, usize),
         tolerance: &LocalTolerance,
         job: &Job,
-    ) -> Result<Option<(Self, SlightCollapses)>, JobError> {
+    ) -> Result<Option<(Self, UnmonitoredCollapses)>, JobError> {
         let mut fixed_vertices: Vec<u32> = Vec::new();
         for _ in 0..ROUNDS {
             let mut reduction = self.clone();
-            match reduction.run_slight((share, &fixed_vertices), faces, tolerance, job)? {
+            match reduction.run_unmonitored((share, &fixed_vertices), faces, tolerance, job)? {
                 Ok(()) => {
-                    let slight = reduction.compact_slight();
-                    return Ok(Some((reduction, slight)));
+                    let unmonitored = reduction.compact_unmonitored();
+                    return Ok(Some((reduction, unmonitored)));
                 }
                 Err(far) => fixed_vertices.extend(far),
             }
@@ -91,11 +91,11 @@ impl MeshReduction<'_> {
         Ok(None)
     }
 
-    /// Drops the parts removed by [`Self::run_slight`]; returns its collapses.
-    pub fn compact_slight(&mut self) -> SlightCollapses {
+    /// Drops the parts removed by [`Self::run_unmonitored`]; returns its collapses.
+    pub fn compact_unmonitored(&mut self) -> UnmonitoredCollapses {
         let log = self.engine.log.take().unwrap_or_default();
         let merged_into = self.engine.merged_into.clone();
-        SlightCollapses { log, merged_into, compaction: self.compact() }
+        UnmonitoredCollapses { log, merged_into, compaction: self.compact() }
     }
 }
 
@@ -115,9 +115,9 @@ impl FailedAttempt {
     }
 
     /// Puts collapses before the attempt in front of its own, in the numbers of their start.
-    pub fn prepend(&mut self, slight: &SlightCollapses) {
-        let mut log = slight.log.clone();
-        if let Some(compaction) = &slight.compaction {
+    pub fn prepend(&mut self, unmonitored: &UnmonitoredCollapses) {
+        let mut log = unmonitored.log.clone();
+        if let Some(compaction) = &unmonitored.compaction {
             log.extend(self.log.iter().map(|past| past.before(compaction)));
             self.surface = self.surface.before(compaction);
             self.at = compaction.by_old_vertex(&self.at, [0.0; 3]);
@@ -125,7 +125,7 @@ impl FailedAttempt {
             self.faces.iter_mut().for_each(|face| *face = compaction.old_face(*face));
             self.monitor.iter_mut().for_each(|monitor| monitor.samples.expand(compaction));
             let merged_into =
-                slight.merged_into.iter().zip(&compaction.new_vertex).map(|(before, new)| match *new {
+                unmonitored.merged_into.iter().zip(&compaction.new_vertex).map(|(before, new)| match *new {
                     NONE => *before,
                     new => compaction.old_vertex(self.merged_into[new as usize]),
                 });

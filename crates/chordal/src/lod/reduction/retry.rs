@@ -162,19 +162,19 @@ mod tests {
         let (from, tolerance) = with_monitor(&mesh);
         for share in [0.02, 0.25] {
             let mut tried = from.clone();
-            tried.run_slight((share, &[]), 0, &tolerance, &Job::default()).unwrap().unwrap();
-            let n_slight = tried.n_faces();
-            let slight = tried.compact_slight();
+            tried.run_unmonitored((share, &[]), 0, &tolerance, &Job::default()).unwrap().unwrap();
+            let n_unmonitored = tried.n_faces();
+            let unmonitored = tried.compact_unmonitored();
             tried.run(0, &tolerance, &Job::default()).unwrap();
-            assert!(tried.n_faces() < n_slight && n_slight < mesh.faces().len());
+            assert!(tried.n_faces() < n_unmonitored && n_unmonitored < mesh.faces().len());
             let mut failed = FailedAttempt::new(tried.clone());
-            failed.prepend(&slight);
+            failed.prepend(&unmonitored);
             let mut again = from.retry(&mut failed, &places(&[], &[]), (&tolerance, 0));
             assert_eq!(again.mesh(), tried.mesh());
             assert_eq!(again.near_faces(), tried.near_faces());
             // A place far from others is opened down to what the collapses without a monitor did there.
             let open = from.retry(&mut failed, &places(&[], &[0]), (&tolerance, 0));
-            assert!(tried.n_faces() < open.n_faces() && open.n_faces() < n_slight.max(300));
+            assert!(tried.n_faces() < open.n_faces() && open.n_faces() < n_unmonitored.max(300));
         }
     }
 

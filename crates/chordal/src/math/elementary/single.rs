@@ -24,7 +24,7 @@ const TO_WHOLE: f32 = 12_582_912.0;
 pub(crate) fn sin_cos_near(x: f32) -> (f32, f32) {
     let shifted = x * std::f32::consts::FRAC_2_PI + TO_WHOLE;
     let n = shifted - TO_WHOLE;
-    let turns = shifted.to_bits();
+    let quarters = shifted.to_bits();
     let r = (((x - n * HALF_PI[0]) - n * HALF_PI[1]) - n * HALF_PI[2]) - n * HALF_PI[3];
     let z = r * r;
     let mut s = 1.0 / 362_880.0;
@@ -37,14 +37,14 @@ pub(crate) fn sin_cos_near(x: f32) -> (f32, f32) {
     c = -1.0 / 720.0 + z * c;
     c = 1.0 / 24.0 + z * c;
     let cosine = (1.0 - 0.5 * z) + z * (z * c);
-    (rotate_quarters(sine, cosine, turns), rotate_quarters(sine, cosine, turns.wrapping_add(1)))
+    (rotate_quarters(sine, cosine, quarters), rotate_quarters(sine, cosine, quarters.wrapping_add(1)))
 }
 
-/// The sine or cosine after `turns` more quarter turns.
+/// The sine or cosine after `quarters` more quarter turns.
 #[inline(always)]
-fn rotate_quarters(sine: f32, cosine: f32, turns: u32) -> f32 {
-    let value = if turns & 1 == 0 { sine } else { cosine };
-    f32::from_bits(value.to_bits() ^ ((turns & 2) << 30))
+fn rotate_quarters(sine: f32, cosine: f32, quarters: u32) -> f32 {
+    let value = if quarters & 1 == 0 { sine } else { cosine };
+    f32::from_bits(value.to_bits() ^ ((quarters & 2) << 30))
 }
 
 /// 2ⁿ for an integer |n| below 120, by its bits.
