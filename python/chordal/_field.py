@@ -301,11 +301,11 @@ class Field(Shape):
         return called("move", self, *_spread(by))  # type: ignore[no-any-return]
 
     def scale(self, factor: SupportsFloat) -> Field:
-        """The shape made larger or smaller, about the origin: `shapes.scale`."""
+        """The shape scaled about the origin: `shapes.scale`."""
         return called("scale", self, factor)  # type: ignore[no-any-return]
 
     def rotate(self, axis: Literal["x", "y", "z"] | Sequence[SupportsFloat] | NDArray[Any], degrees: SupportsFloat) -> Field:
-        """The shape turned around an axis through the origin, a letter or a vector: `shapes.rotate`."""
+        """The shape rotated around an axis through the origin, a letter or a vector: `shapes.rotate`."""
         if isinstance(axis, str):
             if axis not in ("x", "y", "z"):
                 raise ValueError(f"axis: x, y, z or a vector, not {axis!r}")
@@ -324,7 +324,7 @@ class Field(Shape):
         return called("offset", self, by)  # type: ignore[no-any-return]
 
     def shell(self, thickness: SupportsFloat) -> Field:
-        """A wall along the surface, half of its thickness to each side: `shapes.shell`. Raises as `offset`."""
+        """A wall along the surface, with half of its thickness on each side: `shapes.shell`. Raises as `offset`."""
         return called("shell", self, thickness)  # type: ignore[no-any-return]
 
     def __add__(self, other: object) -> NoReturn:

@@ -76,7 +76,7 @@ def asin(value: SupportsFloat) -> float: ...
 @overload
 def asin(value: Formula | SupportsFloat) -> Formula | float: ...
 def asin(value: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a sine."""
+    """The arcsine, in radians."""
     return called("asin", value)  # type: ignore[no-any-return]
 
 
@@ -85,7 +85,7 @@ def acos(value: SupportsFloat) -> float: ...
 @overload
 def acos(value: Formula | SupportsFloat) -> Formula | float: ...
 def acos(value: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a cosine."""
+    """The arccosine, in radians."""
     return called("acos", value)  # type: ignore[no-any-return]
 
 
@@ -94,7 +94,7 @@ def atan(value: SupportsFloat) -> float: ...
 @overload
 def atan(value: Formula | SupportsFloat) -> Formula | float: ...
 def atan(value: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a tangent."""
+    """The arctangent, in radians."""
     return called("atan", value)  # type: ignore[no-any-return]
 
 
@@ -103,7 +103,7 @@ def floor(value: SupportsFloat) -> float: ...
 @overload
 def floor(value: Formula | SupportsFloat) -> Formula | float: ...
 def floor(value: Formula | SupportsFloat) -> Formula | float:
-    """The largest whole number that is not above."""
+    """The largest integer that is not above the value."""
     return called("floor", value)  # type: ignore[no-any-return]
 
 
@@ -112,7 +112,7 @@ def ceil(value: SupportsFloat) -> float: ...
 @overload
 def ceil(value: Formula | SupportsFloat) -> Formula | float: ...
 def ceil(value: Formula | SupportsFloat) -> Formula | float:
-    """The smallest whole number that is not below."""
+    """The smallest integer that is not below the value."""
     return called("ceil", value)  # type: ignore[no-any-return]
 
 
@@ -121,7 +121,7 @@ def radians(value: SupportsFloat) -> float: ...
 @overload
 def radians(value: Formula | SupportsFloat) -> Formula | float: ...
 def radians(value: Formula | SupportsFloat) -> Formula | float:
-    """An angle given in degrees."""
+    """An angle in degrees, converted to radians."""
     return called("radians", value)  # type: ignore[no-any-return]
 
 
@@ -130,7 +130,7 @@ def atan2(y: SupportsFloat, x: SupportsFloat) -> float: ...
 @overload
 def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float: ...
 def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a point."""
+    """The angle of the point (x, y) from the x axis, in radians."""
     return called("atan2", y, x)  # type: ignore[no-any-return]
 
 
@@ -139,7 +139,7 @@ def minimum(a: SupportsFloat, b: SupportsFloat) -> float: ...
 @overload
 def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
 def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
-    """The smaller of two."""
+    """The smaller of two values."""
     return called("minimum", a, b)  # type: ignore[no-any-return]
 
 
@@ -148,5 +148,5 @@ def maximum(a: SupportsFloat, b: SupportsFloat) -> float: ...
 @overload
 def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
 def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
-    """The larger of two."""
+    """The larger of two values."""
     return called("maximum", a, b)  # type: ignore[no-any-return]

@@ -27,7 +27,7 @@ def text(
     align: Literal["left", "center", "right"] = "left",
     **axes: SupportsFloat,
 ) -> Field:
-    """The letters of a text in a font, as a plane shape: the exact distance to polygons within `tolerance` of the outlines, or a
+    """The letters of a text in a font, as a 2D shape: the exact distance to polygons within `tolerance` of the outlines, or a
     lower bound where outlines overlap. `em` is the length of the font's em. Lines start at x = 0, or are centred or end there by
     their advance widths, as `align` says. `axes` are coordinates of a variable font, as in `wght=700`. `Field.notes` has the
     distance of the polygons from the outlines.
@@ -46,7 +46,7 @@ def text(
 
 
 def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
-    """The filled regions of a drawing, as a plane shape with y up: the exact distance to polygons within `tolerance` of its
+    """The filled area of a drawing, as a 2D shape with y up: the exact distance to polygons within `tolerance` of its
     curves, or a lower bound where they overlap. `Field.notes` has the distance of the polygons from the curves.
 
     Raises `ReadError` if the file is not a drawing, and `OSError` if it cannot be read.

@@ -20,7 +20,7 @@ def param(name: str, default: SupportsFloat) -> float:
 
 def box_of(shape: Field) -> dict[str, list[float]]:
     """A box that contains a shape: its lowest and highest corner as `"min"` and `"max"`, its `"size"` and its `"center"`, each
-    of three numbers, or of two for a shape without an end along z. It may be larger than the shape: it is `Field.bounds`,
+    of three numbers, or of two for a 2D shape. It may be larger than the shape: it is `Field.bounds`,
     which for a cut or rotated shape follows from the boxes of its parts.
 
     Raises `ValueError` for a shape without points, and for one without known bounds.
@@ -33,13 +33,13 @@ def box_of(shape: Field) -> dict[str, list[float]]:
         raise TypeError(f"shape: a field, not {type(shape).__name__}")
     low, high = shape.bounds
     if any(a > b for a, b in zip(low, high, strict=True)):
-        raise ValueError("box_of() needs a shape with points, and this one has none")
-    # A plane shape is unbounded along z, and points of the plane have two coordinates.
+        raise ValueError("box_of() needs a shape with points, but this one is empty")
+    # A 2D shape is unbounded along z, and 2D points have two coordinates.
     count = 2 if math.isinf(low[2]) and math.isinf(high[2]) else 3
     ends = [(low[k], high[k]) for k in range(count)]
     if not all(math.isfinite(a) and math.isfinite(b) for a, b in ends):
         raise ValueError(
-            "box_of() needs a shape whose ends are known, and this one has none on some side: what is common with a box has them"
+            "box_of() needs a shape with known bounds, but this one has none on some side: intersect it with a box"
         )
     return {
         "min": [a for a, _ in ends],

@@ -84,7 +84,7 @@ def test_what_a_function_does_is_said_in_the_same_words_as_by_the_command() -> N
         assert said is not None
         first = " ".join(said.split("\n\n")[0].split())
         assert first.split(". ")[0].rstrip(".") == does.split(". ")[0].rstrip("."), name
-        assert not worth or said.endswith(f"\n\nThe value is worth: {worth}."), name
+        assert not worth or said.endswith(f"\n\nThe value is: {worth}."), name
         n_same += 1
     assert n_same > 50
 
@@ -168,7 +168,7 @@ def test_what_is_wrong_is_said() -> None:
 
 
 def test_a_script_whose_last_shape_alone_is_cut_warns_with_its_line() -> None:
-    with pytest.warns(UserWarning, match=r"^line 2: '-' binds closer than '\|'"):
+    with pytest.warns(UserWarning, match=r"^line 2: '-' binds tighter than '\|'"):
         shape = chordal.script("a, b, c = sphere(1), box(1, 1, 1), sphere(0.5)\na | b - c")
     assert shape([[0, 0, 0]]).tolist() == [-1]
 

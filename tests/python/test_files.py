@@ -124,7 +124,7 @@ def test_materials_of_fields_are_those_of_the_file() -> None:
     assert [look["name"] for look in told["materials"]] == ["sea", "color-ff0000"]
     assert told["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] == [1, 0, 0, 1]
     assert sorted(one["material"] for one in told["meshes"][0]["primitives"]) == [0, 1]
-    with pytest.raises(ValueError, match="needs a colour as"):
+    with pytest.raises(ValueError, match="needs a colour like"):
         color(sphere(1), "reddish")
 
 

@@ -109,7 +109,7 @@ def test_a_picture_comes_back_with_its_files(nouns: dict[str, Any]) -> None:
     assert back.view == picture.view and back.darkest == picture.darkest
     for format in ("png", "jpg", "webp"):
         assert back.to_bytes(format) == picture.to_bytes(format)
-    with pytest.raises(ValueError, match="bytes are no 16 × 12 pixels"):
+    with pytest.raises(ValueError, match="bytes are not 16 × 12 pixels"):
         chordal._chordal.Picture.of_state(((16, 12), b"", [], "", "", None))
 
 

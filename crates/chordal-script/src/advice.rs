@@ -12,7 +12,7 @@ pub(crate) fn with_advice(error: ScriptError) -> ScriptError {
     ScriptError { message: format!("there is no '**': {POWERS}"), ..error }
 }
 
-/// Why a script has no value: the end of the sentence "the script's value must be a shape, and is nothing:
+/// Why a script has no value: the end of the sentence "the script's value must be a shape, but it is None:
 /// …".
 pub(crate) fn why_nothing(text: &str) -> String {
     let last = text.lines().rfind(|line| starts_statement(line)).unwrap_or("");
@@ -20,31 +20,32 @@ pub(crate) fn why_nothing(text: &str) -> String {
     let rest = last[word.len()..].trim_start();
     match word.as_str() {
         "if" | "elif" | "else" => {
-            "an 'if' has no value: give the shape a name in each branch, and let the last line be that name"
+            "an 'if' statement has no value: assign the shape to a name in each branch, and end the script with that \
+             name"
                 .to_owned()
         }
-        "for" => "a loop has no value: collect its shapes in a list, and let the last line be union(…) of it"
+        "for" => "a loop has no value: collect its shapes in a list, and end the script with union(…) of the list"
             .to_owned(),
         "def" => {
             let name = rest.split('(').next().unwrap_or("").trim();
-            format!("it ends with what {name}() is: let the last line be a call of it")
+            format!("it ends with the definition of {name}(): add a line that calls it")
         }
         name if rest.starts_with('(') && returns_nothing(text, name) => without_return(name),
         name if rest.starts_with('=') && !name.is_empty() => {
             format!("its last line must be an expression, not an assignment: add a line '{name}'")
         }
-        "" | "load" => "it has no last line that is a shape".to_owned(),
+        "" | "load" => "it has no line with an expression".to_owned(),
         _ => "its last line must be an expression whose value is a shape".to_owned(),
     }
 }
 
 fn without_return(name: &str) -> String {
-    format!("{name}() returns nothing: let it end with 'return' and a shape")
+    format!("{name}() returns nothing: end it with 'return' and a shape")
 }
 
 /// Adds the functions of a script that return nothing to a message about None in place of a shape.
 pub(crate) fn with_missing_return(message: String, text: &str) -> String {
-    if !message.contains("what a function without 'return' gives") {
+    if !message.contains("the result of a function without 'return'") {
         return message;
     }
     let heads = text.lines().filter_map(|line| line.strip_prefix("def ")?.split('(').next());
@@ -76,12 +77,12 @@ mod tests {
     fn the_last_statement_is_named() {
         for (text, wanted) in [
             ("a = sphere(1)\n", "add a line 'a'"),
-            ("r = 2\nif r > 1:\n    sphere(r)\nelse:\n    box(1, 1, 1)\n", "an 'if' has no value"),
+            ("r = 2\nif r > 1:\n    sphere(r)\nelse:\n    box(1, 1, 1)\n", "an 'if' statement has no value"),
             ("for k in range(3):\n    sphere(k + 1)\n", "a loop has no value"),
-            ("def ball(r):\n    return sphere(r)\n", "ball() is: let the last line be a call of it"),
+            ("def ball(r):\n    return sphere(r)\n", "the definition of ball(): add a line that calls it"),
             ("def ball(r):\n    sphere(r)\n\nball(2)\n", "ball() returns nothing"),
             ("def ball(r):\n    return None\nball(2)\n", "must be an expression whose value is a shape"),
-            ("# nothing\n", "no last line that is a shape"),
+            ("# nothing\n", "no line with an expression"),
             ("print(\n    3,\n)\n", "must be an expression whose value is a shape"),
         ] {
             let advice = why_nothing(text);

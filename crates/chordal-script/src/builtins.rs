@@ -27,7 +27,7 @@ fn iterate<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::
         return Ok(keys);
     }
     let Some(list) = elements(value) else {
-        return Err(fault(CallError(format!("{} is no list", arg_of(value).kind()))));
+        return Err(fault(CallError(format!("{} is not a list", arg_of(value).kind()))));
     };
     Meter::charge(eval, list.len())?;
     Ok(list.to_vec())
@@ -44,7 +44,7 @@ fn extremum<'v>(
         values => values.to_vec(),
     };
     let Some((first, rest)) = values.split_first() else {
-        return Err(fault(CallError("there is nothing to choose from".to_owned())));
+        return Err(fault(CallError("max() and min() need at least one value".to_owned())));
     };
     let mut best = *first;
     for value in rest {
@@ -76,14 +76,14 @@ type BoxRow = (&'static str, Vec<f64>);
 /// The entries that `box_of` returns for a box, or the reason why it has none.
 fn box_rows(bounds: &Box3) -> Result<[BoxRow; 4], &'static str> {
     if bounds.is_empty() {
-        return Err("needs a shape with points, and this one has none");
+        return Err("needs a shape with points, but this one is empty");
     }
     let has_ends = |k: usize| bounds.min[k].is_finite() && bounds.max[k].is_finite();
-    // A plane shape is unbounded along z, and points of the plane have two coordinates.
+    // A 2D shape is unbounded along z, and 2D points have two coordinates.
     let n_axes = if bounds.min[2].is_infinite() && bounds.max[2].is_infinite() { 2 } else { 3 };
     if !(0..n_axes).all(has_ends) {
-        return Err("needs a shape whose ends are known, and this one has none on some side: \
-                    what is common with a box has them");
+        return Err("needs a shape with known bounds, but this one has none on some side: \
+                    intersect it with a box");
     }
     let row = |name, value: &dyn Fn(usize) -> f64| (name, (0..n_axes).map(value).collect());
     let centre = bounds.centre();
@@ -128,7 +128,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             }
             Some(_) => {}
             None if parameters.len() >= 1000 => {
-                return Err(fault(CallError("more than 1,000 parameters".to_owned())));
+                return Err(fault(CallError("the script has more than 1,000 parameters".to_owned())));
             }
             None => parameters.push(Parameter { name: name.to_owned(), default, value }),
         }
@@ -166,7 +166,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     fn key__<'v>(#[starlark(args)] key: UnpackTuple<Value<'v>>) -> starlark::Result<Value<'v>> {
         // A key that is a tuple arrives as several arguments, since its parentheses become those of the call.
         let wrong = |found: &str| {
-            fault(CallError(format!("the key of a dictionary is a text or a number, not {found}")))
+            fault(CallError(format!("the key of a dictionary must be a string or a number, not {found}")))
         };
         match key.items[..] {
             [key] if is_key(key) => Ok(key),
@@ -216,7 +216,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
         let Some(length) = number(tolerance).filter(|length| *length > 0.0 && length.is_finite()) else {
-            return Err(fault(CallError("svg() needs a length above 0 for its curves".to_owned())));
+            return Err(fault(CallError("svg() needs a tolerance above 0".to_owned())));
         };
         check_name(name).map_err(|why| fault(CallError(format!("svg(): {why}"))))?;
         let file_use = FileUse::Drawing { tolerance: length };
@@ -236,17 +236,17 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     ) -> starlark::Result<Value<'v>> {
         let wrong = |why: String| fault(CallError(format!("text(): {why}")));
         let Some(tolerance) = number(tolerance).filter(|length| *length > 0.0 && length.is_finite()) else {
-            return Err(wrong("it needs a length above 0 for its curves".to_owned()));
+            return Err(wrong("the tolerance must be a number above 0".to_owned()));
         };
         let em = em.map_or(Some(1.0), number).filter(|em| *em > 0.0 && em.is_finite());
-        let em = em.ok_or_else(|| wrong("the em of letters is a number above 0".to_owned()))?;
+        let em = em.ok_or_else(|| wrong("em must be a number above 0".to_owned()))?;
         let align = align.map_or(Some("left"), |align| align.unpack_str());
         let Some((_, align)) = ALIGNMENTS.into_iter().find(|(name, _)| align == Some(*name)) else {
-            return Err(wrong("align is \"left\", \"center\" or \"right\"".to_owned()));
+            return Err(wrong("align must be \"left\", \"center\" or \"right\"".to_owned()));
         };
         let coordinate = |(name, value): (String, Value<'v>)| match number(value) {
             Some(value) => Ok((name, value)),
-            None if name == "halign" => Err(wrong("here it is align=, as in align=\"center\"".to_owned())),
+            None if name == "halign" => Err(wrong("use align=, as in align=\"center\"".to_owned())),
             None => Err(wrong(format!("the axis {name} needs a number, not {}", arg_of(value).kind()))),
         };
         let axes = axes.into_iter().map(coordinate).collect::<starlark::Result<_>>()?;
@@ -271,10 +271,12 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             _ => None,
         };
         let Some((x, y)) = size else {
-            return Err(wrong("the size is a list of two lengths above 0, along x and y"));
+            return Err(wrong("size must be a list of two lengths above 0, along x and y"));
         };
         let (Some(height), Some(base)) = (length(height), length(base)) else {
-            return Err(wrong("the height of white above black and the base below it are lengths above 0"));
+            return Err(wrong(
+                "height (of white above black) and base (below black) must be lengths above 0",
+            ));
         };
         check_name(name).map_err(|why| wrong(&why))?;
         let file_use = FileUse::Heights { size: [x, y], height, base };
@@ -323,7 +325,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let arg = arg_of(value);
         match operate("abs", &arg, &arg) {
             Some(result) => to_starlark(result.map_err(fault)?, eval),
-            None => Err(fault(CallError(format!("abs() has no meaning for {}", arg.kind())))),
+            None => Err(fault(CallError(format!("abs() is not defined for {}", arg.kind())))),
         }
     }
 
@@ -339,9 +341,9 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     fn int(#[starlark(require = pos)] value: Value) -> starlark::Result<i32> {
         let number = number(value).filter(|n| n.abs() <= f64::from(i32::MAX));
         // In range: the cast cuts off the fraction.
-        number
-            .map(|n| n as i32)
-            .ok_or_else(|| fault(CallError("int() needs a number below 2^31 in size".to_owned())))
+        number.map(|n| n as i32).ok_or_else(|| {
+            fault(CallError("int() needs a number whose absolute value is below 2^31".to_owned()))
+        })
     }
 
     fn len(#[starlark(require = pos)] value: Value) -> starlark::Result<i32> {
@@ -349,7 +351,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     }
 
     fn fail(#[starlark(require = pos)] message: Value) -> starlark::Result<NoneType> {
-        let message = message.unpack_str().unwrap_or("the script gave up");
+        let message = message.unpack_str().unwrap_or("the script failed");
         Err(fault(CallError(message.chars().take(400).collect())))
     }
 
@@ -433,14 +435,14 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             {
                 let Some(result) = operate("+", &arg_of(sum), &arg_of(value)) else {
                     return Err(fault(CallError(
-                        "sum() adds numbers and formulas; union() joins shapes".to_owned(),
+                        "sum() adds numbers and formulas; union() combines shapes".to_owned(),
                     )));
                 };
                 sum = to_starlark(result.map_err(fault)?, eval)?;
             } else if number(value).is_some() {
                 sum = of_numbers("+", sum, value, eval.heap())?;
             } else {
-                return Err(fault(CallError(format!("sum() adds no {}", arg_of(value).kind()))));
+                return Err(fault(CallError(format!("sum() cannot add {}", arg_of(value).kind()))));
             }
         }
         Ok(sum)

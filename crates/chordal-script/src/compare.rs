@@ -20,7 +20,7 @@ pub(crate) fn equal<'v>(
     }
     for (a, b) in left.iter().zip(right) {
         if elements(*a).is_some() || elements(*b).is_some() {
-            return Err(fault(CallError("lists of lists are not compared".to_owned())));
+            return Err(fault(CallError("lists of lists cannot be compared".to_owned())));
         }
         if !equal_simple(*a, *b, eval)? {
             return Ok(false);
@@ -53,7 +53,7 @@ pub(crate) fn order<'v>(
     if texts.is_some() || number(a).is_some() && number(b).is_some() {
         return a.compare(b);
     }
-    Err(fault(CallError(format!("{} and {} have no order", a.get_type(), b.get_type()))))
+    Err(fault(CallError(format!("{} and {} cannot be ordered", a.get_type(), b.get_type()))))
 }
 
 /// Whether a value may be the key of a dictionary: a text, number or truth value, which are quick to compare.
@@ -76,7 +76,10 @@ pub(crate) fn contains<'v>(
         return Ok(is_key(value) && entries.get(value)?.is_some());
     }
     let Some(list) = elements(list) else {
-        return Err(fault(CallError(format!("{} holds nothing", list.get_type()))));
+        return Err(fault(CallError(format!(
+            "'in' needs a list, dictionary or string, not {}",
+            list.get_type()
+        ))));
     };
     for element in list {
         if equal(*element, value, eval)? {

@@ -9,12 +9,12 @@ use std::fmt;
 pub enum FileUse {
     /// As another script, by its text.
     Script,
-    /// As a drawing: the regions that it fills, as a plane shape whose curves are polygons.
+    /// As a drawing: its filled area, as a 2D shape whose curves are polygons.
     Drawing {
         /// The largest distance between curves and polygons.
         tolerance: f64,
     },
-    /// As a font: the letters of a text, as a plane shape.
+    /// As a font: the letters of a text, as a 2D shape.
     Letters(FontText),
     /// As a mesh: its triangles, as a shape.
     Mesh,
@@ -69,7 +69,7 @@ pub struct NoFiles;
 
 impl ScriptFiles for NoFiles {
     fn open(&self, _: &str, _: FileUse, _: &Job) -> Result<OpenedFile, String> {
-        Err("this script is in no folder".to_owned())
+        Err("this script has no folder to read files from".to_owned())
     }
 }
 
@@ -103,7 +103,9 @@ pub(crate) fn check_name(name: &str) -> Result<(), String> {
     let shown: String = name.chars().take(80).collect();
     let is_plain = |part: &str| !part.is_empty() && part != "." && part != "..";
     if name.len() > 400 || name.contains(['\\', ':', '\0']) || !name.split('/').all(is_plain) {
-        return Err(format!("'{shown}' is not the relative path of a file beside the script, without '..'"));
+        return Err(format!(
+            "'{shown}' is not allowed: a path must be relative to the script's folder, without '..'"
+        ));
     }
     Ok(())
 }

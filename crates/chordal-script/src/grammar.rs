@@ -28,13 +28,15 @@ pub(crate) fn parse(
     limits: &Limits,
 ) -> Result<Program, ScriptError> {
     if text.len() > limits.bytes {
-        let message = format!("{} bytes are over the limit of {} for a script", text.len(), limits.bytes);
+        let message = format!("the script has {} bytes, more than the limit of {}", text.len(), limits.bytes);
         return Err(ScriptError::new("script-limit", message));
     }
     // With one kind of line end, our scans and the parser agree on where strings and comments end.
     let text = text.replace("\r\n", "\n");
     if let Some(at) = text.find('\r') {
-        return Err(ScriptError::new("script-syntax", "a carriage return ends no line here").at(&text, at));
+        return Err(
+            ScriptError::new("script-syntax", "a carriage return alone does not end a line").at(&text, at)
+        );
     }
     let text = text.as_str();
     nesting::check(text, limits.nesting)?;
@@ -71,8 +73,9 @@ pub(crate) fn parse(
         calls.iter().flat_map(|(part, function)| ScriptSource::wrap(part, function, "")).collect();
     for (target, operator, statement) in scan.assignments {
         let change = plain.assignment(&target, &operator, statement, &calls);
-        let unreadable =
-            || plain.error("script-syntax", "this assignment cannot be read: write it out", statement);
+        let unreadable = || {
+            plain.error("script-syntax", "this assignment is not supported: write it as a = a + b", statement)
+        };
         changes.extend(change.ok_or_else(unreadable)?);
     }
     let mut cuts = Vec::new();
@@ -101,9 +104,11 @@ fn check_rewritten(module: &AstModule, source: &ScriptSource) -> Result<(), Scri
     let assignment = scan.assignments.first().map(|(_, _, span)| (*span, "an assignment".to_owned()));
     let unmetered = scan.unmetered.map(|span| (span, "a call or an index".to_owned()));
     match scan.refusal.or(assignment).or(unmetered) {
-        Some((span, construct)) => {
-            Err(source.error("script-syntax", format!("{construct} cannot be read here: write it out"), span))
-        }
+        Some((span, construct)) => Err(source.error(
+            "script-syntax",
+            format!("{construct} is not supported in this form: write it in simpler steps"),
+            span,
+        )),
         None => Ok(()),
     }
 }
@@ -182,7 +187,7 @@ fn statement(stmt: &AstStmt, scan: &mut ProgramScan) {
 fn parameters(parameters: &[AstParameter], scan: &mut ProgramScan) {
     for parameter in parameters {
         if matches!(parameter.node, ParameterP::Args(..) | ParameterP::KwArgs(..)) {
-            scan.refuse(parameter.span, "a function takes a list instead of any number of arguments");
+            scan.refuse(parameter.span, "*args and **kwargs are not supported: take a list instead");
         }
     }
 }
@@ -192,20 +197,20 @@ fn expression(expr: &AstExpr, scan: &mut ProgramScan) {
     const LONGEST_NUMBER: u32 = 20;
     let reason = match &expr.node {
         ExprP::Dot(_, name) if name.node != "append" => {
-            Some("nothing here has attributes, but lists have append()")
+            Some("attributes are not supported, except append() of lists")
         }
-        ExprP::Index2(_) | ExprP::Slice(..) => Some("there are no slices: use a list comprehension"),
-        ExprP::BitNot(_) => Some("there is no ~: use complement()"),
+        ExprP::Index2(_) | ExprP::Slice(..) => Some("slices are not supported: use a list comprehension"),
+        ExprP::BitNot(_) => Some("~ is not supported: use complement()"),
         ExprP::FString(_) | ExprP::Literal(AstLiteral::Bytes(_) | AstLiteral::Ellipsis) => {
-            Some("this has no use in a script")
+            Some("f-strings, bytes and '...' are not supported")
         }
         ExprP::Literal(AstLiteral::Int(_))
             if expr.span.end().get() - expr.span.begin().get() > LONGEST_NUMBER =>
         {
-            Some("whole numbers above 2^60 are not handled")
+            Some("whole numbers above 2^60 are not supported")
         }
         ExprP::Call(_, args) if args.args.iter().any(|arg| matches!(arg.node, ArgumentP::KwArgs(_))) => {
-            Some("a dictionary gives no arguments: name them")
+            Some("** is not supported in calls: name the arguments")
         }
         _ => None,
     };
@@ -244,7 +249,7 @@ fn target(target: &AstAssignTarget, scan: &mut ProgramScan) {
     match &target.node {
         AssignTargetP::Index(parts) => scan.index(&parts.1),
         AssignTargetP::Tuple(targets) => targets.iter().for_each(|item| self::target(item, scan)),
-        AssignTargetP::Dot(..) => scan.refuse(target.span, "nothing here has attributes"),
+        AssignTargetP::Dot(..) => scan.refuse(target.span, "attributes are not supported"),
         AssignTargetP::Identifier(_) => {}
     }
 }

@@ -45,16 +45,17 @@ impl Library {
                 continue;
             }
             if loading.contains(&path) {
-                let why = format!("'{path}' is loaded while it is being loaded itself");
+                let why =
+                    format!("'{path}' is loaded in a cycle: it loads this file, directly or through others");
                 return Err(error("script-file", why));
             }
             if loading.len() + self.programs.len() >= MOST_FILES {
-                return Err(error("script-limit", format!("more than {MOST_FILES} files are loaded")));
+                return Err(error("script-limit", format!("the script loads more than {MOST_FILES} files")));
             }
             let text = match files.open(&path, FileUse::Script, job) {
                 Ok(OpenedFile::Script(text)) => text,
                 Ok(OpenedFile::Shape(..)) => {
-                    return Err(error("script-file", format!("'{path}' is no script")));
+                    return Err(error("script-file", format!("'{path}' is not a script")));
                 }
                 Err(why) => {
                     return Err(error("script-file", format!("'{path}' cannot be loaded: {why}")));

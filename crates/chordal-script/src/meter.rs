@@ -106,7 +106,7 @@ impl<'e> Meter<'e> {
         meter.work.set(work);
         if work > meter.limits.work {
             return Err(exceeded(format!(
-                "the script handles more than {} elements of lists",
+                "the script reads or creates more than {} list elements",
                 meter.limits.work
             )));
         }
@@ -129,7 +129,7 @@ impl<'e> Meter<'e> {
         // Counts files and not keys: a font that sets many texts is one file.
         let names: BTreeSet<String> = self.shapes.borrow().keys().map(|(name, _)| name.clone()).collect();
         if names.len() >= MOST_FILES && !names.contains(name) {
-            return Err(format!("it is one of more than {MOST_FILES} files"));
+            return Err(format!("the script reads more than {MOST_FILES} files"));
         }
         match self.files.open(name, file_use, self.job)? {
             OpenedFile::Shape(field, sentences) => {
@@ -147,7 +147,7 @@ impl<'e> Meter<'e> {
         let mut printed = self.printed.borrow_mut();
         match printed.len().cmp(&MOST_LINES) {
             Ordering::Less => printed.push(line.chars().take(LONGEST_LINE).collect()),
-            Ordering::Equal => printed.push("further lines are left out".to_owned()),
+            Ordering::Equal => printed.push("further lines are omitted".to_owned()),
             Ordering::Greater => {}
         }
     }
@@ -170,7 +170,7 @@ impl<'e> Meter<'e> {
 }
 
 fn heap_exceeded(limits: &Limits) -> starlark::Error {
-    exceeded(format!("the script's values take more than {} bytes", limits.heap))
+    exceeded(format!("the script's values take more than {} bytes of memory", limits.heap))
 }
 
 /// The error for an exceeded limit.

@@ -15,7 +15,7 @@ pub(crate) fn check(text: &str, most: u32) -> Result<(), ScriptError> {
         let blocks = u32::try_from(scan.indents.len()).unwrap_or(u32::MAX);
         if scan.depth.saturating_add(blocks).saturating_add(scan.branches) > most {
             let message =
-                format!("this is nested deeper than the limit of {most}: give parts names of their own");
+                format!("this is nested deeper than the limit of {most}: assign parts of it to names");
             return Err(ScriptError::new("script-limit", message).at(text, start));
         }
     }

@@ -104,7 +104,7 @@ pub(crate) fn of_numbers<'v>(
     const MOST: f64 = (1_u64 << 60) as f64;
     let large = |value: Value| value.get_type() == "int" && number(value).is_none_or(|n| n.abs() > MOST);
     if large(a) || large(b) {
-        return Err(exceeded("whole numbers above 2^60 are not handled".to_owned()));
+        return Err(exceeded("whole numbers above 2^60 are not supported".to_owned()));
     }
     match operator {
         "+" => a.add(b, heap),
@@ -113,6 +113,6 @@ pub(crate) fn of_numbers<'v>(
         "/" => a.div(b, heap),
         "//" => a.floor_div(b, heap),
         "%" => a.percent(b, heap),
-        _ => Err(fault(CallError(format!("'{operator}' has no meaning between numbers")))),
+        _ => Err(fault(CallError(format!("'{operator}' is not defined for numbers")))),
     }
 }

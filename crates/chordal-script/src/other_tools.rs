@@ -26,12 +26,12 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["ball", "Sphere", "sdSphere", "geodesic_sphere"], "sphere(radius)"),
     (
         &["cube", "cuboid", "Box", "brick", "block", "sdBox", "makeBox", "make_box"],
-        "box(x, y, z), of full sizes around the origin",
+        "box(x, y, z), with full side lengths, centred on the origin",
     ),
     (&["rounded_cube", "roundedcube", "round_box", "rounded_cuboid"], "rounded_box(x, y, z, radius)"),
     (
         &["cyl", "Cylinder", "rod", "disk3d", "makeCylinder"],
-        "cylinder(radius, height), along z around the origin",
+        "cylinder(radius, height), along the z axis, centred on the origin",
     ),
     (&["capped_cone", "Cone", "frustum", "truncated_cone"], "cone(bottom, top, height)"),
     (&["pill", "sdCapsule", "stadium"], "capsule(a, b, radius)"),
@@ -45,7 +45,7 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["yrot", "rotateY", "roty"], "rotate_y(shape, degrees)"),
     (&["zrot", "rotateZ", "rotz"], "rotate_z(shape, degrees)"),
     (&["resize", "scaled", "scale_xyz"], "stretch(shape, x, y, z), or scale(shape, factor)"),
-    (&["mirror_x", "reflect", "flip"], "mirror(shape, x, y, z), by the normal of the plane"),
+    (&["mirror_x", "reflect", "flip"], "mirror(shape, x, y, z), with the normal of the plane"),
     (&["linear_extrude", "linearExtrude", "extruded", "extrude_linear", "pad"], "extrude(shape, height)"),
     (
         &["bevel", "rounded_extrude", "extrude_rounded", "offset_sweep", "cyl_rounded", "rounded_prism"],
@@ -62,7 +62,7 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["invert", "negate", "inverse"], "complement(shape)"),
     (
         &["polyhedron", "Polyhedron", "of_mesh", "manifold"],
-        "hull(points) where it is convex, or mesh(name) for the triangles of a file",
+        "hull(points) if it is convex, or mesh(name) for the triangles of a file",
     ),
     (
         &["import", "import_stl", "import_mesh", "importStep", "load_mesh", "stl"],
@@ -70,7 +70,10 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
     ),
     (&["surface", "height_map", "heightfield", "lithophane"], "heightmap(name, size, height, base)"),
     (&["import_svg", "surface_svg"], "svg(name, tolerance)"),
-    (&["square", "rect", "Rectangle", "Rect"], "rectangle(x, y), of full sizes around the origin"),
+    (
+        &["square", "rect", "Rectangle", "Rect"],
+        "rectangle(x, y), with full side lengths, centred on the origin",
+    ),
     (&["rounded_rect", "RectangleRounded", "rounded_square", "slot2D"], "rounded_rectangle(x, y, radius)"),
     (&["disc", "disk", "Circle"], "circle(radius)"),
     (&["ngon", "RegularPolygon", "hexagon", "regular_ngon"], "regular_polygon(sides, radius)"),

@@ -254,7 +254,7 @@ const MOST_BODIES: usize = 1000;
 /// The shape of a value, or those of a dictionary or list.
 fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, ScriptError> {
     if value.is_none() {
-        let message = format!("the script's value must be a shape, and is nothing: {}", why_nothing(text));
+        let message = format!("the script's value must be a shape, but it is None: {}", why_nothing(text));
         return Err(ScriptError::new("script-value", message));
     }
     let named: Vec<(String, Value)> = match (DictRef::from_value(value), elements(value)) {
@@ -270,7 +270,7 @@ fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, Scri
     let wrong = |message: String| Err(ScriptError::new("script-value", message));
     if named.is_empty() || named.len() > MOST_BODIES {
         return wrong(format!(
-            "the script's value holds {} shapes, and must hold 1 to {MOST_BODIES}",
+            "the script's value has {} shapes, but must have 1 to {MOST_BODIES}",
             named.len()
         ));
     }
@@ -278,7 +278,9 @@ fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, Scri
     for (name, shape) in named {
         let is_plain = !name.is_empty() && name.len() <= 100 && !name.chars().any(char::is_control);
         if !is_plain {
-            return wrong("the name of a shape has 1 to 100 characters, none of which controls".to_owned());
+            return wrong(
+                "the name of a shape must have 1 to 100 characters, without control characters".to_owned(),
+            );
         }
         let field = field_of(shape, limits)
             .map_err(|error| ScriptError { message: format!("{name}: {}", error.message), ..error })?;
@@ -286,7 +288,7 @@ fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, Scri
         bodies.push(ScriptBody { name, field });
     }
     if weight > limits.terms {
-        let message = format!("the shapes have more than {} terms", limits.terms);
+        let message = format!("the shapes together have more than {} terms", limits.terms);
         return Err(ScriptError::new("script-limit", message));
     }
     let fields: Vec<Field> = bodies.iter().map(|body| body.field.clone()).collect();
@@ -300,13 +302,13 @@ fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
             return Err(ScriptError::new("script-limit", message));
         }
         Some(StarlarkShape(Arg::Shape(solid))) => return Ok(solid.field.clone()),
-        Some(StarlarkShape(Arg::Path(_))) => "a path; polygon() fills it, and sweep() follows it",
-        Some(_) => "a formula; field() makes a shape of it",
+        Some(StarlarkShape(Arg::Path(_))) => "a path: fill it with polygon(), or follow it with sweep()",
+        Some(_) => "a formula: turn it into a shape with field()",
         None if value.is_none() => NOTHING_GIVEN,
-        None if elements(value).is_some() => "a list of lists; union() joins shapes",
+        None if elements(value).is_some() => "a list of lists: combine the shapes of each with union()",
         None => "something else",
     };
-    Err(ScriptError::new("script-value", format!("the script's value must be a shape, and is {hint}")))
+    Err(ScriptError::new("script-value", format!("the script's value must be a shape, but it is {hint}")))
 }
 
 fn cancelled() -> ScriptError {
@@ -342,13 +344,13 @@ fn translated_in(source: &ScriptSource, error: &starlark::Error, limits: &Limits
             return source.translate_error("script-error", error);
         }
         _ if message.contains("call stack overflow") || message.contains("recursion") => {
-            Some(format!("more than {} functions wait for each other", limits.calls))
+            Some(format!("the call stack is deeper than {} functions", limits.calls))
         }
         _ if message.starts_with("Execution duration limit") => {
-            Some(format!("the script takes more than {} calls and turns of loops", limits.ticks))
+            Some(format!("the script takes more than {} calls and loop iterations", limits.ticks))
         }
         _ if message.starts_with("Heap memory limit") => {
-            Some(format!("the script's values take more than {} bytes", limits.heap))
+            Some(format!("the script's values take more than {} bytes of memory", limits.heap))
         }
         _ if message.contains("`pow` not found") => {
             let translation = source.translate_error("script-error", error);

@@ -191,7 +191,7 @@ fn with_equivalent(message: String) -> String {
     let name = message.strip_prefix("Variable `").and_then(|rest| rest.split('`').next());
     match name.and_then(|name| Some((name, equivalent_of(name)?))) {
         Some((name, equivalent)) if message.contains("not found") => {
-            format!("Variable `{name}` not found: here it is {equivalent}")
+            format!("Variable `{name}` not found: use {equivalent}")
         }
         _ => message,
     }

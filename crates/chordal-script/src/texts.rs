@@ -58,30 +58,38 @@ pub(crate) fn formatted<'v>(
             Some(after) => {
                 let n = after.bytes().take_while(u8::is_ascii_digit).count();
                 let digits = after[..n].parse().ok().filter(|digits| *digits <= MOST_DIGITS);
-                (Some(digits.ok_or_else(|| wrong("'%.' is followed by 0 to 17, as in '%.2f'"))?), &after[n..])
+                (
+                    Some(digits.ok_or_else(|| {
+                        wrong("'%.' must be followed by a number from 0 to 17, as in '%.2f'")
+                    })?),
+                    &after[n..],
+                )
             }
             None => (None, after),
         };
-        let kind =
-            after.chars().next().ok_or_else(|| wrong("a text ends with '%': write '%%' for the sign"))?;
+        let kind = after
+            .chars()
+            .next()
+            .ok_or_else(|| wrong("a string ends with '%': write '%%' for a percent sign"))?;
         rest = &after[kind.len_utf8()..];
         if kind == '%' {
             text.push('%');
             continue;
         }
-        let value = *values.next().ok_or_else(|| wrong("the text has more '%' than there are values"))?;
+        let value =
+            *values.next().ok_or_else(|| wrong("the string has more placeholders than there are values"))?;
         let needed_number = || number(value).ok_or_else(|| wrong("'%d' and '%f' need a number"));
         match kind {
             's' => text.push_str(&text_of(value, eval)?),
             'd' => text.push_str(&format!("{:.0}", needed_number()?.trunc())),
             // Six digits, as in Python. Defined by the C standard.
             'f' => text.push_str(&format!("{:.*}", digits.unwrap_or(6), needed_number()?)),
-            _ => return Err(wrong("a text is filled in at '%s', '%d', '%f' and '%.2f'")),
+            _ => return Err(wrong("the placeholders of a string are '%s', '%d', '%f' and '%.2f'")),
         }
         Meter::charge(eval, text.len() / 64)?;
     }
     if values.next().is_some() {
-        return Err(wrong("there are more values than '%' in the text"));
+        return Err(wrong("there are more values than placeholders in the string"));
     }
     text.push_str(rest);
     Ok(text)

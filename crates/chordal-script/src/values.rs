@@ -37,21 +37,21 @@ impl<'v> StarlarkValue<'v> for StarlarkShape {
 }
 
 /// The hint of an operator with an operand of None.
-const NOTHING_HINT: &str = ": nothing is what a function without 'return' gives";
+const NOTHING_HINT: &str = ": None is the result of a function without 'return'";
 
 /// The error for an operator that is undefined for these values.
 pub(crate) fn undefined_operator(operator: &str, a: &Arg, b: &Arg) -> starlark::Error {
     let hint = match (operator, a, b) {
-        ("+", Arg::Shape(_), Arg::Shape(_)) => ": shapes are joined by |",
+        ("+", Arg::Shape(_), Arg::Shape(_)) => ": use | to unite shapes",
         (_, Arg::Shape(_), Arg::Number(_)) | (_, Arg::Number(_), Arg::Shape(_)) => {
-            ": see scale, offset and move for what numbers do to shapes"
+            ": use scale(), offset() or move() to change a shape by a number"
         }
         (_, Arg::Nothing, _) | (_, _, Arg::Nothing) => NOTHING_HINT,
         _ => "",
     };
     let message = match operator {
-        "neg" => format!("'-' has no meaning for {}", a.kind()),
-        _ => format!("'{operator}' has no meaning between {} and {}{hint}", a.kind(), b.kind()),
+        "neg" => format!("'-' is not defined for {}", a.kind()),
+        _ => format!("'{operator}' is not defined for {} and {}{hint}", a.kind(), b.kind()),
     };
     fault(CallError(message))
 }

@@ -15,16 +15,16 @@ pub struct ScriptWarning {
 impl ScriptWarning {
     /// For `a | b - c` of shapes, at `b - c`.
     pub(crate) fn last_operand_cut(place: (u64, u64)) -> Self {
-        let message = "'-' binds closer than '|': what follows it is cut from this last shape of the union \
-            alone; write (a | b) - c to cut it from all of them, or a | (b - c) if that is meant";
+        let message = "'-' binds tighter than '|', so this cuts only the last shape of the union: write \
+            (a | b) - c to cut all of them, or a | (b - c) to cut only the last";
         Self { code: "last-operand-cut", place, message }
     }
 
     /// For an operation that moves the surface by a distance, of a shape whose value is only a bound.
     pub(crate) fn bound_taken_as_distance(place: (u64, u64)) -> Self {
-        let message = "this moves the surface by its distance, and the value of this shape is a lower bound of \
-            it where the surface moves to: it moves farther than asked there; \
-            redistance(shape, within) makes the value a distance first";
+        let message = "this moves the surface by a distance, but on that side the value of the shape is only a \
+            lower bound of the distance, so the surface moves too far: apply redistance(shape, within) to \
+            the shape first";
         Self { code: "bound-as-distance", place, message }
     }
 }

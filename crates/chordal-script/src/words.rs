@@ -36,20 +36,21 @@ pub const BUILT_INS: &[BuiltIn] = &[
     plain(
         "param",
         &[required("name"), required("default")],
-        "A number that is set from outside, by its name; its default otherwise.",
+        "A number that can be set by its name from outside the script, as with --set; otherwise the \
+         default.",
     ),
     BuiltIn {
         name: "mesh",
         parameters: &[required("name")],
-        about: "The triangles of a file beside the script, as a shape.",
-        distance: "exact; a sign where they are not closed",
+        about: "The triangle mesh in a file beside the script, as a shape.",
+        distance: "exact distance; sign only if the mesh is not closed",
     },
     BuiltIn {
         name: "svg",
         parameters: &[required("name"), required("tolerance")],
-        about: "What a drawing in a file beside the script fills, as a shape of the plane; its curves are polygons within \
-                the tolerance.",
-        distance: "exact; where outlines cross, of what they fill",
+        about: "The filled area of a drawing in a file beside the script, as a 2D shape. Its curves are \
+            replaced by polygons within the tolerance.",
+        distance: "exact distance to the boundary of the filled area",
     },
     BuiltIn {
         name: "text",
@@ -60,23 +61,26 @@ pub const BUILT_INS: &[BuiltIn] = &[
             optional("em", 1.0),
             defaulting("align", ParameterDefault::Text("left")),
         ],
-        about: "The letters of a text in a font beside the script, as a shape of the plane; their curves are polygons \
-                within the tolerance. Lines start at x = 0; aligned as \"center\" or \"right\" their advance widths are centred \
-                or end there. Axes of the font go by their tags, as wght=700.",
-        distance: "exact; where outlines cross, of what they fill",
+        about: "The letters of a text in a font beside the script, as a 2D shape. Their curves are \
+            replaced by polygons within the tolerance. Lines start at x = 0; if aligned \"center\" or \
+            \"right\", they are centred there or end there, by their advance widths. Axes of a variable \
+            font are set by their tags, as in wght=700.",
+        distance: "exact distance to the boundary of the filled area",
     },
     BuiltIn {
         name: "heightmap",
         parameters: &[required("name"), required("size"), required("height"), required("base")],
-        about: "The solid below the heights that the greys of a PNG beside the script are: two lengths wide, from z = 0 by \
-                a base to black, and by the height to white.",
-        distance: "exact",
+        about: "The solid below a PNG beside the script, whose grey values are taken as heights. The size \
+            is two lengths along x and y; the floor is at z = 0, black is above it by the base, and white \
+            above black by the height.",
+        distance: "exact distance",
     },
     plain(
         "box_of",
         &[required("shape")],
-        "A box that holds the shape, as a dictionary: its lowest and highest corner as \"min\" and \"max\", \"size\" and \
-         \"center\", each of three numbers, or of two without an end along z. It may be larger than need be.",
+        "A box that contains the shape, as a dictionary of lists of three numbers, or of two for 2D \
+         shapes: \"min\" and \"max\" are its lowest and highest corner, \"size\" and \"center\" its side \
+         lengths and centre. It may be larger than necessary.",
     ),
     plain(
         "check",
@@ -84,29 +88,31 @@ pub const BUILT_INS: &[BuiltIn] = &[
         "Ends the script with a message unless the condition holds.",
     ),
     plain("fail", &[required("message")], "Ends the script with a message."),
-    plain("print", ANY, "Adds a line to what is said of the script."),
-    plain("abs", VALUE, "The size of a number or of a formula, without its sign."),
-    plain("bool", VALUE, "Whether a value is neither 0 nor empty nor None."),
+    plain("print", ANY, "Adds a line with the values to the script's report."),
+    plain("abs", VALUE, "The absolute value of a number or formula."),
+    plain("bool", VALUE, "False if the value is 0, empty or None; otherwise True."),
     plain("enumerate", VALUES, "The items of a list, each as a pair with its index from 0."),
-    plain("float", VALUE, "The value as a number that need not be whole."),
-    plain("int", VALUE, "The number without its fraction."),
-    plain("len", VALUE, "How many items a list, dictionary or text has."),
-    plain("list", VALUES, "The items of a list or tuple, or the keys of a dictionary, as a new list."),
-    plain("max", ANY, "The largest of some numbers, or of those in a list."),
-    plain("min", ANY, "The smallest of some numbers, or of those in a list."),
+    plain("float", VALUE, "The value as a floating-point number."),
+    plain("int", VALUE, "The number without its fraction, as an integer."),
+    plain("len", VALUE, "The number of items of a list or dictionary, or of characters of a string."),
+    plain("list", VALUES, "A new list of the items of a list or tuple, or of the keys of a dictionary."),
+    plain("max", ANY, "The largest of several numbers, or of the numbers in a list."),
+    plain("min", ANY, "The smallest of several numbers, or of the numbers in a list."),
     plain(
         "range",
         &[required("first"), defaulting("end", ParameterDefault::Nothing), optional("step", 1.0)],
-        "The whole numbers from the first up to but without the end; of one number alone, those from 0 up to it.",
+        "The integers from the first up to the end, without the end itself; with a single number, those \
+         from 0 up to it.",
     ),
-    plain("reversed", VALUES, "The items of a list, the last first."),
-    plain("str", VALUE, "The value as a text."),
+    plain("reversed", VALUES, "The items of a list in reverse order."),
+    plain("str", VALUE, "The value as a string."),
     plain("sum", VALUES, "The sum of the numbers or formulas in a list."),
-    plain("tuple", VALUES, "The items of a list as a tuple."),
+    plain("tuple", VALUES, "A tuple of the items of a list."),
     plain(
         "zip",
         &[variadic("lists")],
-        "The first items of all lists together, then the second, up to the end of the shortest.",
+        "A tuple of the first items of all lists, then one of the second items, and so on to the end of \
+         the shortest list.",
     ),
 ];
 

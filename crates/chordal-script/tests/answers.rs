@@ -1,4 +1,4 @@
-//! What a script is told that is not understood: what to write instead.
+//! Error messages that suggest what to write instead.
 use chordal_script::{RunOptions, Script, ScriptError, run};
 
 fn script(text: &str) -> Result<Script, ScriptError> {
@@ -8,32 +8,29 @@ fn script(text: &str) -> Result<Script, ScriptError> {
 #[test]
 fn names_of_other_tools_lead_to_those_of_the_language() {
     for (text, expected) in [
-        ("ball(1)", "Variable `ball` not found: here it is sphere(radius)"),
-        ("cuboid(1, 2, 3)", "here it is box(x, y, z)"),
-        ("linear_extrude(circle(1), 2)", "here it is extrude(shape, height)"),
-        ("rotate_extrude(circle(1))", "here it is revolve(shape)"),
-        (
-            "x = 1\nhull_3d([[0, 0, 0]])",
-            "line 2, column 1: Variable `hull_3d` not found: here it is hull(points",
-        ),
-        ("rounded_extrude(circle(1), 2, 0.1)", "here it is extrude(shape, height, bevel, rounded)"),
+        ("ball(1)", "Variable `ball` not found: use sphere(radius)"),
+        ("cuboid(1, 2, 3)", "use box(x, y, z)"),
+        ("linear_extrude(circle(1), 2)", "use extrude(shape, height)"),
+        ("rotate_extrude(circle(1))", "use revolve(shape)"),
+        ("x = 1\nhull_3d([[0, 0, 0]])", "line 2, column 1: Variable `hull_3d` not found: use hull(points"),
+        ("rounded_extrude(circle(1), 2, 0.1)", "use extrude(shape, height, bevel, rounded)"),
         ("rounded(box(1, 1, 1), 0.1)", "extrude(shape, height, rounded=…)"),
         ("polyhedron([])", "mesh(name) for the triangles of a file"),
-        ("offset2d(circle(1), 1)", "here it is offset(shape, by)"),
+        ("offset2d(circle(1), 1)", "use offset(shape, by)"),
         // Capitals and underscores differ from tool to tool.
-        ("Cube(1, 2, 3)", "Variable `Cube` not found: here it is box(x, y, z)"),
-        ("Translate(sphere(1), 1, 0, 0)", "here it is move(shape, x, y, z)"),
-        ("SPHERE(1)", "here it is sphere(radius)"),
-        ("RoundedBox(1, 1, 1, 0.1)", "here it is rounded_box(x, y, z, radius)"),
-        ("LinearExtrude(circle(1), 2)", "here it is extrude(shape, height)"),
-        // What is spelled alike is offered where nothing better is known.
+        ("Cube(1, 2, 3)", "Variable `Cube` not found: use box(x, y, z)"),
+        ("Translate(sphere(1), 1, 0, 0)", "use move(shape, x, y, z)"),
+        ("SPHERE(1)", "use sphere(radius)"),
+        ("RoundedBox(1, 1, 1, 0.1)", "use rounded_box(x, y, z, radius)"),
+        ("LinearExtrude(circle(1), 2)", "use extrude(shape, height)"),
+        // If nothing better is known, a name with a similar spelling is suggested.
         ("spere(1)", "did you mean `sphere`?"),
         (
             "rotate(cylinder(1, 2), 90, axis='x')",
-            "rotate() has 'axis' twice: it is called as rotate(shape, axis, degrees)",
+            "rotate() got 'axis' twice: call it as rotate(shape, axis, degrees)",
         ),
-        ("cylinder(1)", "cylinder() needs 'height': it is called as cylinder(radius, height)"),
-        ("circle(1, 2)", "circle() takes 1 argument, and 2 are given: it is called as circle(radius)"),
+        ("cylinder(1)", "cylinder() needs 'height': call it as cylinder(radius, height)"),
+        ("circle(1, 2)", "circle() takes 1 argument, but 2 were given: call it as circle(radius)"),
     ] {
         let error = script(text).unwrap_err();
         assert!(error.to_string().contains(expected), "{text}: {error}");
@@ -51,14 +48,15 @@ fn a_missing_return_is_said_wherever_a_shape_is_needed() {
         "ball(1) - peg(2)",
     ] {
         let told = script(&format!("{before}{line}\n")).unwrap_err();
-        for what in ["a function without 'return' gives", "ball() returns nothing: let it end with 'return'"]
+        for what in
+            ["the result of a function without 'return'", "ball() returns nothing: end it with 'return'"]
         {
             assert!(told.message.contains(what) && told.place.is_some(), "{line}: {told}");
         }
         assert!(!told.message.contains("peg()"), "{told}");
     }
     let told = script(&format!("{before}{{\"a\": ball(1)}}\n")).unwrap_err();
-    assert!(told.message.contains("a function without 'return' gives"), "{told}");
+    assert!(told.message.contains("the result of a function without 'return'"), "{told}");
 }
 
 #[test]

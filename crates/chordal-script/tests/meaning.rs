@@ -1,4 +1,4 @@
-//! What scripts mean: shapes, operators, parameters, formulas, and the sentences about what is wrong.
+//! The results of scripts: shapes, operators, parameters, formulas, and error messages.
 use chordal::Job;
 use chordal::implicit::evaluation::ExprGraph;
 use chordal::implicit::{Distance, DistanceQuality};
@@ -114,22 +114,22 @@ fn what_is_wrong_is_said_with_its_place() {
         (
             "",
             "script-value",
-            "the script's value must be a shape, and is nothing: it has no last line that is a shape",
+            "the script's value must be a shape, but it is None: it has no line with an expression",
         ),
         (
             "a = sphere(1)",
             "script-value",
-            "the script's value must be a shape, and is nothing: its last line must be an expression, not an assignment: add a line 'a'",
+            "the script's value must be a shape, but it is None: its last line must be an expression, not an assignment: add a line 'a'",
         ),
         (
             "x",
             "script-value",
-            "the script's value must be a shape, and is a formula; field() makes a shape of it",
+            "the script's value must be a shape, but it is a formula: turn it into a shape with field()",
         ),
         (
             "[[sphere(1)]]",
             "script-value",
-            "part 1: the script's value must be a shape, and is a list of lists; union() joins shapes",
+            "part 1: the script's value must be a shape, but it is a list of lists: combine the shapes of each with union()",
         ),
         ("sphere(1", "script-syntax", "line 1, column 9: "),
         ("a = 1\nsphere(a))", "script-syntax", "line 2, column 10: "),
@@ -137,19 +137,15 @@ fn what_is_wrong_is_said_with_its_place() {
         ("a = 1\nsphere(b)", "script-error", "line 2, column 8: Variable `b` not found"),
         ("é = 'ä'", "script-syntax", "line 1, column 1: "),
         ("a = 1\nbox(1, 2)", "script-error", "line 2, column 1: box() needs 'z'"),
-        ("box(1, 2, 3, 4)", "script-error", "line 1, column 1: box() takes 3 arguments, and 4 are given"),
+        ("box(1, 2, 3, 4)", "script-error", "line 1, column 1: box() takes 3 arguments, but 4 were given"),
         (
             "box(1, 2, 3, w=4)",
             "script-error",
-            "line 1, column 1: box() has no argument 'w': it is box(x, y, z)",
+            "line 1, column 1: box() has no argument 'w': call it as box(x, y, z)",
         ),
-        ("box(1, 2, 3, x=4)", "script-error", "line 1, column 1: box() has 'x' twice"),
+        ("box(1, 2, 3, x=4)", "script-error", "line 1, column 1: box() got 'x' twice"),
         ("box(1, 2, [3])", "script-error", "line 1, column 1: box() needs a number for 'z', not a list"),
-        (
-            "box(1, 2, True)",
-            "script-error",
-            "line 1, column 1: box() needs a number for 'z', not True or False",
-        ),
+        ("box(1, 2, True)", "script-error", "line 1, column 1: box() needs a number for 'z', not a boolean"),
         (
             "box(1, 2, sphere(1))",
             "script-error",
@@ -161,50 +157,58 @@ fn what_is_wrong_is_said_with_its_place() {
         (
             "prism(2.5, 1, 1)",
             "script-error",
-            "line 1, column 1: prism() needs a whole number for 'sides', not 2.5",
+            "line 1, column 1: prism() needs a whole number of at least 0 for 'sides', not 2.5",
         ),
         (
             "polygon([[0, 0], [1, 0], 3])",
             "script-error",
             "line 1, column 1: polygon() needs 2 numbers for 'points', not a number",
         ),
-        ("union()", "script-error", "line 1, column 1: union() needs a shape at least"),
+        ("union()", "script-error", "line 1, column 1: union() needs at least one shape"),
         ("union(1)", "script-error", "line 1, column 1: union() needs shapes, not a number"),
         (
             "sphere(1) + sphere(2)",
             "script-error",
-            "line 1, column 1: '+' has no meaning between a shape and a shape: shapes are joined by |",
+            "line 1, column 1: '+' is not defined for a shape and a shape: use | to unite shapes",
         ),
         (
             "sphere(1) * 2",
             "script-error",
-            "line 1, column 1: '*' has no meaning between a shape and a number: see scale, offset and move for what numbers do to shapes",
+            "line 1, column 1: '*' is not defined for a shape and a number: use scale(), offset() or move() to change a shape by a number",
         ),
-        ("-sphere(1)", "script-error", "line 1, column 1: '-' has no meaning for a shape"),
+        ("-sphere(1)", "script-error", "line 1, column 1: '-' is not defined for a shape"),
         (
             "sphere(1) | 2",
             "script-error",
-            "line 1, column 1: '|' has no meaning between a shape and a number: see scale, offset and move for what numbers do to shapes",
+            "line 1, column 1: '|' is not defined for a shape and a number: use scale(), offset() or move() to change a shape by a number",
         ),
         ("smooth_union(field(x), sphere(1), 1)", "script-error", "line 1, column 1: smooth_union(): "),
         ("1 / 0", "script-error", "line 1, column 1: "),
         (
             "load('a', 'b')",
             "script-file",
-            "line 1, column 6: 'a' cannot be loaded: this script is in no folder",
+            "line 1, column 6: 'a' cannot be loaded: this script has no folder to read files from",
         ),
-        ("load('../a', 'b')", "script-file", "line 1, column 6: '../a' is not the relative path"),
-        ("svg('/a.svg', 1)", "script-error", "line 1, column 1: svg(): '/a.svg' is not the relative path"),
+        (
+            "load('../a', 'b')",
+            "script-file",
+            "line 1, column 6: '../a' is not allowed: a path must be relative",
+        ),
+        (
+            "svg('/a.svg', 1)",
+            "script-error",
+            "line 1, column 1: svg(): '/a.svg' is not allowed: a path must be relative",
+        ),
         (
             "svg('a.svg', 1)",
             "script-file",
-            "line 1, column 1: svg(): 'a.svg' cannot be used: this script is in",
+            "line 1, column 1: svg(): 'a.svg' cannot be used: this script has no folder",
         ),
         ("check(1 > 2, 'no %s' % 3)", "script-error", "line 1, column 1: no 3"),
         (
             "sphere(1)\n{(1, 2): 2}",
             "script-error",
-            "line 2, column 3: the key of a dictionary is a text or a number",
+            "line 2, column 3: the key of a dictionary must be a string or a number",
         ),
         (
             "union(sphere(1), fillet=1, chamfer=1)",
@@ -215,17 +219,17 @@ fn what_is_wrong_is_said_with_its_place() {
         (
             "minkowski(ellipsoid(1, 2, 3), 1)",
             "script-error",
-            "line 1, column 1: minkowski() needs an exact distance outside",
+            "line 1, column 1: minkowski() needs a shape whose value outside is the exact distance",
         ),
         ("open('a')", "script-error", "line 1, column 1: Variable `open` not found"),
-        ("print(1)", "script-value", "the script's value must be a shape, and is nothing"),
-        ("{1: 2}", "script-value", "1: the script's value must be a shape, and is something else"),
+        ("print(1)", "script-value", "the script's value must be a shape, but it is None"),
+        ("{1: 2}", "script-value", "1: the script's value must be a shape, but it is something else"),
         (
             "'a'.join([])",
             "script-syntax",
-            "line 1, column 1: nothing here has attributes, but lists have append()",
+            "line 1, column 1: attributes are not supported, except append() of lists",
         ),
-        ("a = 1\na += sphere(1) | 2", "script-error", "line 2, column 6: '|' has no meaning"),
+        ("a = 1\na += sphere(1) | 2", "script-error", "line 2, column 6: '|' is not defined"),
         ("a = [1]\na[0] *= 2; a[0] -= b", "script-error", "line 2, column 20: Variable `b` not found"),
         ("fail('too thin')", "script-error", "line 1, column 1: too thin"),
         (
@@ -434,10 +438,7 @@ fn names_of_files_are_loaded_and_circles_are_refused() {
     assert_eq!(value(&made, [0.0; 3]), -6.0);
     for (text, message) in [
         ("load('bad.star', 'f')\nf(1)", "bad.star, line 2, column 12: box() needs 'z'"),
-        (
-            "load('c.star', 'x')\nsphere(1)",
-            "d.star, line 1, column 6: 'c.star' is loaded while it is being loaded",
-        ),
+        ("load('c.star', 'x')\nsphere(1)", "d.star, line 1, column 6: 'c.star' is loaded in a cycle"),
         ("load('none.star', 'x')\nsphere(1)", "line 1, column 6: 'none.star' cannot be loaded: no such file"),
         ("load('broken.star', 'a')\nsphere(1)", "broken.star, line 3, column 1: "),
     ] {
@@ -478,7 +479,7 @@ fn a_script_reads_the_box_of_a_shape() {
         ("cylinder(2, 5)", "[-2, -2, -2.5]", "[2, 2, 2.5]"),
         // What is cut off counts: the box holds the shape, and may be larger.
         ("box(2, 4, 6) - move(box(9, 9, 9), 0, 0, 4.5)", "[-1, -2, -3]", "[1, 2, 3]"),
-        // Shapes of the plane have two numbers.
+        // 2D shapes have two numbers.
         ("move(rectangle(2, 4), 1, 5)", "[0, 3]", "[2, 7]"),
         ("circle(3)", "[-3, -3]", "[3, 3]"),
     ] {
@@ -499,10 +500,10 @@ fn a_script_reads_the_box_of_a_shape() {
     for (text, what) in [
         ("box_of(3)", "box_of() needs a shape, not a number"),
         ("box_of(x)", "box_of() needs a shape, not a formula"),
-        ("box_of(gyroid(1))", "needs a shape whose ends are known"),
-        ("box_of(complement(sphere(1)))", "needs a shape whose ends are known"),
+        ("box_of(gyroid(1))", "needs a shape with known bounds"),
+        ("box_of(complement(sphere(1)))", "needs a shape with known bounds"),
         ("box_of(sphere(1) & move(sphere(1), 9, 0))", "needs a shape with points"),
-        ("bounding_box(sphere(1))", "here it is box_of(shape)"),
+        ("bounding_box(sphere(1))", "use box_of(shape)"),
     ] {
         let told = script(&format!("{text}\nsphere(1)\n")).unwrap_err();
         assert!(told.message.contains(what), "{text}: {told}");

@@ -178,7 +178,7 @@ fn fitted_paths_pass_noisy_points() {
         })
         .collect();
     let made = script(&format!("polygon(fit({}, 0.01, closed=True, corners=90), 1e-4)", shown(&points)));
-    assert!(made.said.iter().any(|line| line.starts_with("fit(): the path passes the points within")));
+    assert!(made.said.iter().any(|line| line.starts_with("fit(): the path is within ")));
     for p in &points {
         assert!(values(&made, &[[p[0], p[1], 0.0]])[0].abs() < 0.0102);
     }
@@ -305,30 +305,27 @@ fn a_swept_shape_is_itself_along_every_line() {
 #[test]
 fn what_is_no_path_is_one_sentence() {
     for (text, part) in [
-        ("spline([[0, 0], [1, 1]])", "must be a shape, and is a path"),
-        ("polygon(spline([[0, 0]]))", "spline() has no path: the spline needs at least 2 points"),
+        ("spline([[0, 0], [1, 1]])", "must be a shape, but it is a path"),
+        ("polygon(spline([[0, 0]]))", "spline() cannot make a path: the spline needs at least 2 points"),
         ("polygon(spline([[0, 0], [0, 0], [1, 1]]))", "point 0 and the next one are equal"),
         ("polygon(spline([[0, 0], [1]]))", "spline() needs 2 numbers for 'points', not 1"),
         ("polygon(spline([]))", "spline() needs points of 2 or 3 numbers for 'points', not an empty list"),
         ("polygon(spline([[0, 0], [1, 1]], knots='even'))", "'centripetal', 'chordal' or 'uniform' knots"),
         ("polygon(spline([[0, 0], [1, 1]], closed=1))", "True or False for 'closed', not a number"),
         ("polygon(spline([[0, 0], [1, 1], [2, 0]], tangents=[[1, 1]]))", "needs two tangents, not 1"),
-        ("polygon(bezier([[0, 0], [1, 1], [2, 0]]))", "3n + 1 for n curves in a row, not 3"),
-        ("polygon(nurbs([[0, 0], [1, 1]], 0))", "nurbs() has no path"),
-        ("polygon(nurbs([[0, 0], [1, 1]], 1, weights=[1, -1]))", "nurbs() has no path"),
+        ("polygon(bezier([[0, 0], [1, 1], [2, 0]]))", "3n + 1 for a chain of n curves, not 3"),
+        ("polygon(nurbs([[0, 0], [1, 1]], 0))", "nurbs() cannot make a path"),
+        ("polygon(nurbs([[0, 0], [1, 1]], 1, weights=[1, -1]))", "nurbs() cannot make a path"),
         ("polygon(arc(-1))", "arc() needs a radius above 0, not -1"),
-        ("polygon(arc(1, 0, 400))", "between -360 and 360 degrees"),
-        (
-            "polygon(bezier([[0, 0, 0], [1, 1, 0], [2, 0, 0], [3, 0, 0]]))",
-            "a path of the plane, not one of space",
-        ),
-        ("polygon(arc(1), -1)", "polygon() needs a tolerance"),
-        ("polygon([[0, 0], [1, 1], [2, 0]], 1)", "is exact, and has no tolerance"),
+        ("polygon(arc(1, 0, 400))", "between -360 and 360"),
+        ("polygon(bezier([[0, 0, 0], [1, 1, 0], [2, 0, 0], [3, 0, 0]]))", "a 2D path, not a 3D path"),
+        ("polygon(arc(1), -1)", "polygon() cannot use this tolerance"),
+        ("polygon([[0, 0], [1, 1], [2, 0]], 1)", "takes a tolerance only for paths"),
         (
             "polygon(bezier([[0, 0], [1, 0], [2, 0], [3, 0]]))",
-            "polygon() is refused: no contour has three different corners",
+            "polygon() refuses this input: no contour has three different corners",
         ),
-        ("sweep([[0, 0, 0], [1, 0, 0]], 'a')", "a radius or a shape for 'profile', not a text"),
+        ("sweep([[0, 0, 0], [1, 0, 0]], 'a')", "a radius or a shape for 'profile', not a string"),
         ("sweep([[0, 0, 0], [1, 0, 0]], plane([1, 0, 0]))", "needs an end on all sides"),
         ("sweep([[0, 0, 0]], circle(1))", "at least 2"),
         ("sweep([[0, 0, 0], [9, 0, 0], [0, 0, 0]], circle(1))", "turns back at its point 1"),
@@ -342,12 +339,12 @@ fn what_is_no_path_is_one_sentence() {
         ("extrude(circle(1), 2, rounded=1)", "a rounded edge's radius is 1, and must be less than half"),
         ("extrude(circle(1), 2, rounded=-1)", "a rounded edge's radius is -1"),
         ("extrude(field(x * x + y * y - 1), 2, rounded=0.1)", "a rounded edge's radius needs a distance"),
-        ("extrude(circle(1), 2, 0.1, 0.1)", "extrude() takes a bevel or rounded edges, and both are given"),
-        ("fit([[0, 0], [1, 1]], 0)", "fit() needs a tolerance"),
-        ("-arc(1)", "'-' has no meaning for a path"),
-        ("arc(1) | arc(2)", "'|' has no meaning between a path and a path"),
-        ("sphere(True)", "sphere() needs a number for 'radius', not True or False"),
-        ("sphere(None)", "sphere() needs a number for 'radius', not nothing"),
+        ("extrude(circle(1), 2, 0.1, 0.1)", "extrude() takes a bevel or rounded edges, not both"),
+        ("fit([[0, 0], [1, 1]], 0)", "fit() cannot use this tolerance"),
+        ("-arc(1)", "'-' is not defined for a path"),
+        ("arc(1) | arc(2)", "'|' is not defined for a path and a path"),
+        ("sphere(True)", "sphere() needs a number for 'radius', not a boolean"),
+        ("sphere(None)", "sphere() needs a number for 'radius', not None"),
     ] {
         let found = error(text);
         assert!(found.contains(part), "{text}: {found}");

@@ -218,7 +218,7 @@ test("names are completed from the table, with usage and description", async () 
   await option.waitFor();
   expect(await option.textContent()).toBe("gyroid(period, level=0)");
   await page.locator(".cm-completionInfo").waitFor();
-  expect(await page.locator(".cm-completionInfo").textContent()).toContain("One side of the gyroid, without end; with shell() it is a wall. Its value as a distance: a lower bound.");
+  expect(await page.locator(".cm-completionInfo").textContent()).toContain("The infinite solid on one side of the gyroid; shell() turns it into a wall. The value is: lower bound.");
   // CodeMirror ignores Enter within 75 ms after it opened the list and inserts a line instead, which is undone.
   const enter = async () => {
     await page.keyboard.press("Enter");
@@ -252,9 +252,9 @@ test("a name is explained under the pointer and at the cursor", async () => {
   const { page } = await open();
   await page.getByText("cylinder").hover();
   await page.locator(".cm-tooltip-hover").waitFor();
-  expect(await page.locator(".cm-tooltip-hover").textContent()).toBe("cylinder(radius, height)A cylinder along z, around the origin. Its value as a distance: exact.");
+  expect(await page.locator(".cm-tooltip-hover").textContent()).toBe("cylinder(radius, height)A cylinder along the z axis, centred on the origin. The value is: exact distance.");
   await cursorTo(page, 1, 1);
-  expect(await page.locator(".cm-help").textContent()).toContain("A box of these full sizes around the origin.");
+  expect(await page.locator(".cm-help").textContent()).toContain("A box with the side lengths x, y and z, centred on the origin.");
 });
 
 test("an error is marked at its place, and is reached and read without a mouse", async () => {

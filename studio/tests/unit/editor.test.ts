@@ -186,7 +186,7 @@ test("every function and every degree of exactness has a Chinese text", () => {
   expect([...new Set(worths)].sort()).toEqual(Object.keys(WORTHS).sort());
   for (const text of [...Object.values(SENTENCES), ...Object.values(WORTHS)]) expect(text).toMatch(/\p{Script=Han}/u);
   for (const text of Object.values(SENTENCES)) expect(text).toMatch(/。$/);
-  const table = [{ name: "sphere", usage: "sphere(radius)", doc: "A ball.", worth: "exact" }, { name: "mine", usage: "mine()", doc: "Mine." }];
+  const table = [{ name: "sphere", usage: "sphere(radius)", doc: "A ball.", worth: "exact distance" }, { name: "mine", usage: "mine()", doc: "Mine." }];
   expect(inChinese(table)).toEqual([{ ...table[0], doc: SENTENCES["sphere"], worth: "精确" }, table[1]]);
 });
 

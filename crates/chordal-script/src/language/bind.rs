@@ -184,16 +184,16 @@ impl Function {
         args.resize(self.single().count(), None);
         if !rest.is_empty() && !takes_rest {
             let plural = if n_positional == 1 { "" } else { "s" };
-            let message = format!("takes {n_positional} argument{plural}, and {n_given} are given");
+            let message = format!("takes {n_positional} argument{plural}, but {n_given} were given");
             return Err(self.fault(message + &self.called_as()));
         }
         for (name, arg) in by_name {
             let Some(k) = self.single().position(|p| p.name == name) else {
                 let shown: String = name.chars().take(40).collect();
-                return Err(self.fault(format!("has no argument '{shown}': it is {}", self.usage())));
+                return Err(self.fault(format!("has no argument '{shown}'{}", self.called_as())));
             };
             if args[k].replace(arg).is_some() {
-                return Err(self.fault(format!("has '{name}' twice{}", self.called_as())));
+                return Err(self.fault(format!("got '{name}' twice{}", self.called_as())));
             }
         }
         let bound = args.into_iter().zip(self.single()).map(|(arg, p)| {
@@ -204,9 +204,9 @@ impl Function {
         Ok(BoundArgs { function: self, args, rest, job, notes })
     }
 
-    /// A hint with the signature, as in `: it is called as rotate(shape, axis, degrees)`.
+    /// A hint with the signature, as in `: call it as rotate(shape, axis, degrees)`.
     fn called_as(&self) -> String {
-        format!(": it is called as {}", usage(self.name, self.parameters))
+        format!(": call it as {}", usage(self.name, self.parameters))
     }
 
     /// The parameters that take one argument.
@@ -318,7 +318,7 @@ impl BoundArgs {
             // In range and whole: exact.
             Ok(value as u32)
         } else {
-            Err(self.wrong(k, "a whole number", &value.to_string()))
+            Err(self.wrong(k, "a whole number of at least 0", &value.to_string()))
         }
     }
 
@@ -373,7 +373,7 @@ impl BoundArgs {
     pub(super) fn text(&self, k: usize) -> Result<&str, CallError> {
         match &self.args[k] {
             Arg::Text(text) => Ok(text),
-            other => Err(self.wrong(k, "a text", other.kind())),
+            other => Err(self.wrong(k, "a string", other.kind())),
         }
     }
 
@@ -401,7 +401,7 @@ impl BoundArgs {
         let numbers: Vec<f64> =
             list.iter().filter_map(|n| if let Arg::Number(n) = n { Some(*n) } else { None }).collect();
         if numbers.len() != list.len() {
-            return Err(wrong("a list of something else"));
+            return Err(wrong("a list with other values"));
         }
         numbers.try_into().map_err(|_| wrong(&format!("{}", list.len())))
     }

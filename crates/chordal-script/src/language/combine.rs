@@ -9,17 +9,17 @@ pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "union",
         parameters: &[variadic("shapes"), optional("fillet", 0.0), optional("chamfer", 0.0)],
-        about: "All points of any of the shapes, as `a | b` has them; a list of shapes does as well. With a \
-            fillet or chamfer the edges are filled in which they meet.",
-        distance: "outside as good as all of them, inside a lower bound; with a fillet or chamfer a lower bound",
+        about: "All points in any of the shapes, like `a | b`; also takes a list of shapes. A fillet or \
+            chamfer fills the inner edges where the shapes meet.",
+        distance: "outside as for the weakest of the shapes, inside a lower bound; with a fillet or chamfer a lower bound",
         make: |args| combine_all(args, Field::union_of, Field::union_with),
     },
     Function {
         name: "intersection",
         parameters: &[variadic("shapes"), optional("fillet", 0.0), optional("chamfer", 0.0)],
-        about: "The points that all of the shapes have, as `a & b` has them. With a fillet or chamfer the \
-            edges are rounded or cut off in which they meet.",
-        distance: "inside as good as all of them, outside a lower bound; with a fillet or chamfer a lower bound",
+        about: "The points common to all of the shapes, like `a & b`. A fillet or chamfer rounds or cuts \
+            off the edges where the shapes meet.",
+        distance: "inside as for the weakest of the shapes, outside a lower bound; with a fillet or chamfer a lower bound",
         make: |args| combine_all(args, Field::intersection_of, Field::intersection_with),
     },
     Function {
@@ -30,9 +30,9 @@ pub(super) const COMBINE: &[Function] = &[
             optional("fillet", 0.0),
             optional("chamfer", 0.0),
         ],
-        about: "The points of the first shape that none of the others has, as `a - b` has them. With a fillet \
-            or chamfer the edges of the cuts are rounded or cut off.",
-        distance: "a lower bound",
+        about: "The points of the first shape that are in none of the others, like `a - b`. A fillet or \
+            chamfer rounds or cuts off the edges of the cuts.",
+        distance: "lower bound",
         make: |args| {
             let solids = args.shapes()?;
             let Some((first, others)) = solids.split_first() else {
@@ -52,8 +52,8 @@ pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "complement",
         parameters: &[required("shape")],
-        about: "All other points.",
-        distance: "as it was, inside and outside exchanged",
+        about: "All points that are not in the shape.",
+        distance: "as for the given shape, with inside and outside exchanged",
         make: |args| {
             let solid = args.shape(0)?;
             args.shape_result(Ok(solid.field.complement()), &[solid])
@@ -62,23 +62,23 @@ pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "smooth_union",
         parameters: &[required("a"), required("b"), required("radius")],
-        about: "The union with its seam filled, where both are nearer to each other than a radius. Faces and \
-            outer edges that both share swell; union(fillet=) leaves them.",
-        distance: "a lower bound",
+        about: "The union, blended where the shapes are closer to each other than the radius. Faces and \
+            outer edges that both shapes share bulge; union(fillet=) leaves them unchanged.",
+        distance: "lower bound",
         make: |args| smooth(args, Field::smooth_union),
     },
     Function {
         name: "smooth_intersection",
         parameters: &[required("a"), required("b"), required("radius")],
-        about: "The intersection with its edge rounded off.",
-        distance: "a lower bound",
+        about: "The intersection with its edges rounded.",
+        distance: "lower bound",
         make: |args| smooth(args, Field::smooth_intersection),
     },
     Function {
         name: "smooth_difference",
         parameters: &[required("a"), required("b"), required("radius")],
-        about: "The difference with its edge rounded off.",
-        distance: "a lower bound",
+        about: "The difference with its edges rounded.",
+        distance: "lower bound",
         make: |args| smooth(args, Field::smooth_difference),
     },
 ];
@@ -91,7 +91,7 @@ fn combine_all(
     let solids = args.shapes()?;
     let fields: Vec<Field> = solids.iter().map(|solid| solid.field.clone()).collect();
     let Some((first, others)) = fields.split_first() else {
-        return Err(args.fault("needs a shape at least"));
+        return Err(args.fault("needs at least one shape"));
     };
     match seam_of(args, 0)? {
         None => args.shape_result(Ok(all_of(&fields)), &solids),

@@ -11,8 +11,8 @@ pub(super) const FORMULAS: &[Function] = &[
     Function {
         name: "field",
         parameters: &[required("formula")],
-        about: "The points where a formula is negative.",
-        distance: "a sign",
+        about: "The shape of all points where the formula is negative.",
+        distance: "sign only",
         make: |args| {
             let formula = args.formula(0)?;
             let weight = formula.weight.saturating_add(1);
@@ -25,15 +25,24 @@ pub(super) const FORMULAS: &[Function] = &[
     unary_function("sin", "The sine of an angle in radians.", |args| unary(args, Unary::Sin)),
     unary_function("cos", "The cosine of an angle in radians.", |args| unary(args, Unary::Cos)),
     unary_function("tan", "The tangent of an angle in radians.", |args| unary(args, Unary::Tan)),
-    unary_function("asin", "The angle of a sine.", |args| unary(args, Unary::Asin)),
-    unary_function("acos", "The angle of a cosine.", |args| unary(args, Unary::Acos)),
-    unary_function("atan", "The angle of a tangent.", |args| unary(args, Unary::Atan)),
-    binary_function("atan2", ["y", "x"], "The angle of a point.", |args| binary(args, Binary::Atan2)),
-    unary_function("floor", "The largest whole number that is not above.", |args| unary(args, Unary::Floor)),
-    unary_function("ceil", "The smallest whole number that is not below.", |args| unary(args, Unary::Ceil)),
-    binary_function("minimum", ["a", "b"], "The smaller of two.", |args| binary(args, Binary::Min)),
-    binary_function("maximum", ["a", "b"], "The larger of two.", |args| binary(args, Binary::Max)),
-    unary_function("radians", "An angle given in degrees.", |args| {
+    unary_function("asin", "The arcsine, in radians.", |args| unary(args, Unary::Asin)),
+    unary_function("acos", "The arccosine, in radians.", |args| unary(args, Unary::Acos)),
+    unary_function("atan", "The arctangent, in radians.", |args| unary(args, Unary::Atan)),
+    binary_function(
+        "atan2",
+        ["y", "x"],
+        "The angle of the point (x, y) from the x axis, in radians.",
+        |args| binary(args, Binary::Atan2),
+    ),
+    unary_function("floor", "The largest integer that is not above the value.", |args| {
+        unary(args, Unary::Floor)
+    }),
+    unary_function("ceil", "The smallest integer that is not below the value.", |args| {
+        unary(args, Unary::Ceil)
+    }),
+    binary_function("minimum", ["a", "b"], "The smaller of two values.", |args| binary(args, Binary::Min)),
+    binary_function("maximum", ["a", "b"], "The larger of two values.", |args| binary(args, Binary::Max)),
+    unary_function("radians", "An angle in degrees, converted to radians.", |args| {
         operate("*", args.any(0), &Arg::Number(RADIANS))
             .unwrap_or_else(|| Err(args.fault("needs a number or a formula")))
     }),

@@ -3,15 +3,15 @@ use super::bind::{BoundArgs, Function, optional, required};
 use super::{Arg, CallError};
 use chordal::implicit::materials::SurfaceMaterial;
 
-const KEPT: &str = "as it was";
+const KEPT: &str = "as for the given shape";
 
 /// Functions that give shapes a material.
 pub(super) const MATERIALS: &[Function] = &[
     Function {
         name: "color",
         parameters: &[required("shape"), required("color")],
-        about: "The shape in a colour: a text as \"#d33\", \"#dd3333\" or \"red\", or a list of three or four \
-            numbers from 0 to 1. One given later replaces it.",
+        about: "The shape in a colour: \"#d33\", \"#dd3333\", \"red\", or a list of three or four numbers \
+            from 0 to 1, the fourth of which is the opacity. A later colour replaces it.",
         distance: KEPT,
         make: |args| {
             let color = color_at(args, 1)?;
@@ -29,19 +29,21 @@ pub(super) const MATERIALS: &[Function] = &[
             optional("metallic", 0.0),
             optional("roughness", 0.5),
         ],
-        about: "The shape of a material with a name, a colour as for color(), and how much it is a metal and how \
-            rough it is, from 0 to 1.",
+        about: "The shape in a material with a name, a colour as for color(), and factors from 0 to 1 for \
+            how metallic and how rough it is.",
         distance: KEPT,
         make: |args| {
             let name = args.text(1)?.to_owned();
             let is_plain = (1..=100).contains(&name.len()) && !name.chars().any(char::is_control);
             if !is_plain {
-                return Err(args.fault("needs a name of 1 to 100 characters, none of which controls"));
+                return Err(args.fault("needs a name of 1 to 100 characters, without control characters"));
             }
             let factors = args.numbers::<2>(3)?;
             for (factor, value) in ["metallic", "roughness"].iter().zip(factors) {
                 if !(0.0..=1.0).contains(&value) {
-                    return Err(args.fault(&format!("needs a {factor} from 0 to 1, not {value}")));
+                    return Err(
+                        args.fault(&format!("needs a number from 0 to 1 for '{factor}', not {value}"))
+                    );
                 }
             }
             paint(args, name, color_at(args, 2)?, factors)
@@ -69,7 +71,7 @@ fn byte(x: f64) -> u8 {
 fn color_at(args: &BoundArgs, k: usize) -> Result<[f64; 4], CallError> {
     let wrong = |found: &str| {
         args.fault(&format!(
-            "needs a colour as \"#d33\", \"#dd3333\", \"red\" or [0.8, 0.2, 0.2] for 'color', not {found}"
+            "needs a colour like \"#d33\", \"#dd3333\", \"red\" or [0.8, 0.2, 0.2] for 'color', not {found}"
         ))
     };
     match args.any(k) {
@@ -81,10 +83,12 @@ fn color_at(args: &BoundArgs, k: usize) -> Result<[f64; 4], CallError> {
                 .filter(|x| (0.0..=1.0).contains(x))
                 .collect();
             match numbers[..] {
-                _ if numbers.len() != list.len() => Err(wrong("a list of what is no number from 0 to 1")),
+                _ if numbers.len() != list.len() => {
+                    Err(wrong("a list with values that are not numbers from 0 to 1"))
+                }
                 [r, g, b] => Ok([r, g, b, 1.0]),
                 [r, g, b, a] => Ok([r, g, b, a]),
-                _ => Err(wrong(&format!("a list of {}", numbers.len()))),
+                _ => Err(wrong(&format!("a list of {} numbers", numbers.len()))),
             }
         }
         other => Err(wrong(other.kind())),

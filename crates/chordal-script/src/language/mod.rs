@@ -26,7 +26,7 @@ pub use script_path::ScriptPath;
 pub enum Arg {
     /// A number.
     Number(f64),
-    /// A text, as in the name of a parameter.
+    /// A string, as in the name of a parameter.
     Text(String),
     /// True or False.
     Truth(bool),
@@ -34,7 +34,7 @@ pub enum Arg {
     Nothing,
     /// A list or a tuple.
     List(Vec<Arg>),
-    /// A path, of the plane or of space.
+    /// A path, 2D or 3D.
     Path(Arc<ScriptPath>),
     /// A shape.
     Shape(Solid),
@@ -89,9 +89,9 @@ impl Arg {
     pub fn kind(&self) -> &str {
         match self {
             Self::Number(_) => "a number",
-            Self::Text(_) => "a text",
-            Self::Truth(_) => "True or False",
-            Self::Nothing => "nothing",
+            Self::Text(_) => "a string",
+            Self::Truth(_) => "a boolean",
+            Self::Nothing => "None",
             Self::List(_) => "a list",
             Self::Path(_) => "a path",
             Self::Shape(_) => "a shape",
@@ -130,7 +130,7 @@ impl Arg {
 }
 
 /// The kind of None, in an error where a shape is needed.
-pub(crate) const NOTHING_GIVEN: &str = "nothing, which is what a function without 'return' gives";
+pub(crate) const NOTHING_GIVEN: &str = "None, which is the result of a function without 'return'";
 
 /// An error in a call, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -149,7 +149,7 @@ impl std::error::Error for CallError {}
 pub fn groups() -> [(&'static str, &'static [Function]); 8] {
     [
         ("Solids", solids::SOLIDS),
-        ("Shapes of the plane", solids::FLAT),
+        ("2D shapes", solids::FLAT),
         ("Paths", paths::PATHS),
         ("Combining", combine::COMBINE),
         ("Placing", transforms::PLACE),

@@ -1,4 +1,4 @@
-//! Paths: curves of the plane and of space, from which shapes are built.
+//! Paths: 2D and 3D curves, from which shapes are built.
 use super::bind::{BoundArgs, Function, ParameterDefault, counted_result, defaulting, optional, required};
 use super::{Arg, CallError, ScriptPath};
 use chordal::budget::{Bounded, Failure};
@@ -23,16 +23,17 @@ pub(super) const PATHS: &[Function] = &[
             defaulting("knots", ParameterDefault::Text("centripetal")),
             defaulting("tangents", NOTHING),
         ],
-        about: "The smooth path through points of two or three numbers: cubics, with equal second derivatives where they \
-            meet (C2 by its knots, which are \"centripetal\", \"chordal\" or \"uniform\"). Without tangents it does not \
-            bend at its ends; two tangents are its derivatives there.",
+        about: "A smooth path through points of two or three numbers. It consists of cubics and is C2 with \
+            respect to its knots, which are \"centripetal\", \"chordal\" or \"uniform\". Without tangents \
+            its second derivatives are 0 at the ends; two tangents are its first derivatives there.",
         distance: "",
         make: |args| in_any_space(args, spline_of::<2>, spline_of::<3>),
     },
     Function {
         name: "bezier",
         parameters: &[required("control")],
-        about: "Cubic Bézier curves, one after the other: four control points, and three for each one more.",
+        about: "A chain of cubic Bézier curves: four control points, and three more for each further \
+            curve.",
         distance: "",
         make: |args| in_any_space(args, bezier_of::<2>, bezier_of::<3>),
     },
@@ -44,8 +45,8 @@ pub(super) const PATHS: &[Function] = &[
             defaulting("weights", NOTHING),
             defaulting("knots", NOTHING),
         ],
-        about: "The rational B-spline with these control points, which starts and ends at the first and the last of them \
-            unless it has knots of its own. Weights are 1 unless said.",
+        about: "A rational B-spline with these control points. It starts at the first and ends at the last \
+            of them, unless knots are given. The weights are 1 by default.",
         distance: "",
         make: |args| in_any_space(args, nurbs_of::<2>, nurbs_of::<3>),
     },
@@ -57,8 +58,8 @@ pub(super) const PATHS: &[Function] = &[
             optional("degrees", 360.0),
             defaulting("center", NOTHING),
         ],
-        about: "An arc of a circle of the plane, counter-clockwise over an angle from a start, both in degrees; a whole \
-            circle unless said.",
+        about: "A circular arc in the plane, counter-clockwise from a start angle over an angle, both in \
+            degrees; by default a full circle.",
         distance: "",
         make: arc,
     },
@@ -70,8 +71,8 @@ pub(super) const PATHS: &[Function] = &[
             defaulting("closed", ParameterDefault::False),
             optional("corners", 30.0),
         ],
-        about: "A path of few cubics that passes every one of many points within a tolerance, with corners where points turn \
-            by more than an angle in degrees.",
+        about: "A path of few cubics within the tolerance of every one of many points, with corners where \
+            the points turn by more than the angle corners, in degrees.",
         distance: "",
         make: |args| in_any_space(args, fit_of::<2>, fit_of::<3>),
     },
@@ -101,7 +102,9 @@ fn spline_of<const D: usize>(args: &BoundArgs) -> Result<Curve<D>, CallError> {
     let ends = match (args.argument(3), is_closed) {
         (None, false) => SplineEnds::Natural,
         (None, true) => SplineEnds::Periodic,
-        (Some(_), true) => return Err(args.fault("of a closed path has no ends for tangents")),
+        (Some(_), true) => {
+            return Err(args.fault("takes tangents only for open paths: a closed one has no ends"));
+        }
         (Some(_), false) => {
             let tangents = args.points::<D>(3)?;
             let n = tangents.len();
@@ -109,19 +112,21 @@ fn spline_of<const D: usize>(args: &BoundArgs) -> Result<Curve<D>, CallError> {
             SplineEnds::Clamped(pair.map_err(|_| args.fault(&format!("needs two tangents, not {n}")))?)
         }
     };
-    spline::interpolating(&points, knots, ends).map_err(|why| args.fault(&format!("has no path: {why}")))
+    spline::interpolating(&points, knots, ends)
+        .map_err(|why| args.fault(&format!("cannot make a path: {why}")))
 }
 
 fn bezier_of<const D: usize>(args: &BoundArgs) -> Result<Curve<D>, CallError> {
     let points = args.points::<D>(0)?;
     if points.len() < 4 || points.len() % 3 != 1 {
         return Err(
-            args.fault(&format!("needs 4 points, or 3n + 1 for n curves in a row, not {}", points.len()))
+            args.fault(&format!("needs 4 points, or 3n + 1 for a chain of n curves, not {}", points.len()))
         );
     }
     let cubic = |at: usize| Bezier { control: [points[at], points[at + 1], points[at + 2], points[at + 3]] };
     let cubics = (0..points.len() - 1).step_by(3).map(|at| CurveSegment::Cubic(cubic(at)));
-    Curve::new(cubics.collect(), CurveEnds::Open).map_err(|why| args.fault(&format!("has no path: {why}")))
+    Curve::new(cubics.collect(), CurveEnds::Open)
+        .map_err(|why| args.fault(&format!("cannot make a path: {why}")))
 }
 
 fn nurbs_of<const D: usize>(args: &BoundArgs) -> Result<Curve<D>, CallError> {
@@ -134,7 +139,7 @@ fn nurbs_of<const D: usize>(args: &BoundArgs) -> Result<Curve<D>, CallError> {
         Some(_) => KnotVector::new(degree, args.number_list(3)?),
         None => KnotVector::clamped(degree, control.len()),
     };
-    let no_path = |why: String| args.fault(&format!("has no path: {why}"));
+    let no_path = |why: String| args.fault(&format!("cannot make a path: {why}"));
     let curve = knots.and_then(|knots| NurbsCurve::new(knots, control, weights));
     curve.map_err(|why| no_path(why.to_string()))?.to_curve().map_err(|why| no_path(why.to_string()))
 }
@@ -147,12 +152,12 @@ fn arc(args: &BoundArgs) -> Result<Arg, CallError> {
     }
     if angle == 0.0 || !(-360.0..=360.0).contains(&angle) || !(-360.0..=360.0).contains(&start) {
         return Err(args.fault(&format!(
-            "needs a start and an angle between -360 and 360 degrees, and an angle other than 0, not {start} and {angle}"
+            "needs 'start' and 'degrees' between -360 and 360, and 'degrees' other than 0, not {start} and {angle}"
         )));
     }
     let is_circle = angle.abs() == 360.0;
     let arc = Arc::new(centre, [[radius, 0.0], [0.0, radius]], start.to_radians(), angle.to_radians());
-    let no_path = |why: String| args.fault(&format!("has no path: {why}"));
+    let no_path = |why: String| args.fault(&format!("cannot make a path: {why}"));
     let arc = arc.map_err(|why| no_path(why.to_string()))?;
     // Ends at multiples of 90 degrees are set exactly: rounding would move them off, say, the axis of a
     // profile.
@@ -186,21 +191,21 @@ fn fit_of<const D: usize>(args: &BoundArgs) -> Result<Curve<D>, CallError> {
     let spline = points_to_spline(&points, is_closed.into(), &fit, args.job());
     let Bounded { shape, bound } = spline.map_err(|failure| failed(args, &failure))?;
     if let Some(most) = bound.at_most() {
-        args.note(&format!("the path passes the points within {most:.3e} (proved)"));
+        args.note(&format!("the path is within {most:.3e} of every point (proved)"));
     }
     Ok(shape)
 }
 
 fn tolerance(args: &BoundArgs, length: f64) -> Result<Tolerance, CallError> {
-    Tolerance::new(length).map_err(|why| args.fault(&format!("needs a tolerance: {why}")))
+    Tolerance::new(length).map_err(|why| args.fault(&format!("cannot use this tolerance: {why}")))
 }
 
 /// The error of a call whose arrow failed.
 pub(super) fn failed<T>(args: &BoundArgs, failure: &Failure<T>) -> CallError {
     match failure {
-        Failure::Unmet(_) => args.fault("does not reach its tolerance"),
-        Failure::Refused(why) => args.fault(&format!("is refused: {}", why.message)),
-        Failure::Cancelled => args.fault("is cancelled"),
+        Failure::Unmet(_) => args.fault("did not reach its tolerance"),
+        Failure::Refused(why) => args.fault(&format!("refuses this input: {}", why.message)),
+        Failure::Cancelled => args.fault("was cancelled"),
     }
 }
 
@@ -221,7 +226,7 @@ fn budget<const D: usize>(args: &BoundArgs, curve: &Curve<D>, k: usize) -> Resul
 /// Adds a note about the distance between a path and its polyline.
 fn note_bound(args: &BoundArgs, at_most: f64) {
     if at_most > 0.0 {
-        args.note(&format!("its path is straight lines within {at_most:.3e} (proved)"));
+        args.note(&format!("its path is replaced by straight lines within {at_most:.3e} (proved)"));
     }
 }
 
@@ -242,7 +247,7 @@ pub(super) fn polyline<const D: usize>(
 pub(super) fn polygon(args: &BoundArgs) -> Result<Arg, CallError> {
     if !matches!(args.any(0), Arg::Path(_)) {
         if args.argument(1).is_some() {
-            return Err(args.fault("of corners is exact, and has no tolerance"));
+            return Err(args.fault("takes a tolerance only for paths: a polygon with given corners is exact"));
         }
         let corners = args.points(0)?;
         let polygon = shapes::polygon(&corners);
@@ -255,13 +260,13 @@ pub(super) fn polygon(args: &BoundArgs) -> Result<Arg, CallError> {
         let Bounded { shape, bound } = contours.map_err(|failure| failed(args, &failure))?;
         let slack = bound.at_most().unwrap_or(f64::INFINITY);
         args.note(&format!(
-            "its sides cross or touch, and it is taken as cut there, which moved it by {slack:.1e} at most"
+            "its sides cross or touch; they are cut there, which moves them by {slack:.1e} at most"
         ));
         return counted_result(args, Ok(shape.with_slack(slack)), &[]);
     }
     let path = args.path(0)?;
     let ScriptPath::Plane(curve) = &*path else {
-        return Err(args.fault("needs a path of the plane, not one of space"));
+        return Err(args.fault("needs a 2D path, not a 3D path"));
     };
     let budget = budget(args, curve, 1)?;
     let outline = Outline { contours: vec![curve.clone()], rule: FillRule::EvenOdd };

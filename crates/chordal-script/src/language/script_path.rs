@@ -4,9 +4,9 @@ use chordal::explicit::Curve;
 /// A path of the language.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptPath {
-    /// A path of the plane.
+    /// A 2D path.
     Plane(Curve<2>),
-    /// A path of space.
+    /// A 3D path.
     Space(Curve<3>),
 }
 

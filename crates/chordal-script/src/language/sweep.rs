@@ -1,4 +1,4 @@
-//! Shapes along paths: tubes, and sweeps of plane shapes.
+//! Shapes along paths: tubes, and sweeps of 2D shapes.
 use super::bind::BoundArgs;
 use super::paths::{failed, polyline};
 use super::{Arg, CallError, ScriptPath, Solid};
@@ -58,7 +58,7 @@ fn lines(args: &BoundArgs) -> Result<SweptLines, CallError> {
             }
         },
         _ if args.argument(2).is_some() => {
-            return Err(args.fault("along straight lines is exact, and has no tolerance"));
+            return Err(args.fault("takes a tolerance only for paths: a sweep along straight lines is exact"));
         }
         _ => SweptLines { points: args.points::<3>(0)?, is_closed: false, slack: 0.0 },
     };
@@ -94,7 +94,7 @@ fn tube(args: &BoundArgs, lines: &SweptLines, radius: f64) -> Result<Arg, CallEr
     let starts = [points[0]].into_iter().chain(points[1..].iter().copied());
     let lines = starts.zip(&points[1..]).map(|(a, b)| CurveSegment::Line([a, *b])).collect::<Vec<_>>();
     let curve = if lines.is_empty() { Curve::point(points[0]) } else { Curve::new(lines, false.into()) };
-    let curve = curve.map_err(|why| args.fault(&format!("has no path: {why}")))?;
+    let curve = curve.map_err(|why| args.fault(&format!("cannot make a path: {why}")))?;
     // Straight lines stay exact, so any budget will do.
     let tolerance =
         Tolerance::new(radius).map_err(|why| args.fault(&format!("needs a radius above 0: {why}")))?;
@@ -102,7 +102,7 @@ fn tube(args: &BoundArgs, lines: &SweptLines, radius: f64) -> Result<Arg, CallEr
     args.shape_result(Ok(tube.map_err(|failure| failed(args, &failure))?.shape), &[])
 }
 
-/// A plane shape swept along a polyline.
+/// A 2D shape swept along a polyline.
 fn swept(args: &BoundArgs, lines: &SweptLines, profile: &Solid) -> Result<Arg, CallError> {
     // Each piece holds the shape three times: by itself and with both of its neighbours.
     let n_pieces = lines.points.len() as u64;

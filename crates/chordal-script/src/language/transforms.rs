@@ -8,64 +8,64 @@ use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{DistanceQuality, Field, Repeat};
 use chordal::math::greater;
 
-const KEPT: &str = "as it was";
-const BOUND: &str = "a lower bound";
+const KEPT: &str = "as for the given shape";
+const BOUND: &str = "lower bound";
 
 /// Translations, rotations and the like.
 pub(super) const PLACE: &[Function] = &[
     Function {
         name: "move",
         parameters: &[required("shape"), required("x"), required("y"), optional("z", 0.0)],
-        about: "The shape moved by these lengths.",
+        about: "The shape moved by the vector (x, y, z).",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.moved(args.numbers(1)?))),
     },
     Function {
         name: "rotate_x",
         parameters: &[required("shape"), required("degrees")],
-        about: "The shape turned around the x axis, counter-clockwise as seen from its tip.",
+        about: "The shape rotated around the x axis, counter-clockwise as seen from its positive end.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg([1.0, 0.0, 0.0], args.number(1)?))),
     },
     Function {
         name: "rotate_y",
         parameters: &[required("shape"), required("degrees")],
-        about: "The shape turned around the y axis.",
+        about: "The shape rotated around the y axis.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg([0.0, 1.0, 0.0], args.number(1)?))),
     },
     Function {
         name: "rotate_z",
         parameters: &[required("shape"), required("degrees")],
-        about: "The shape turned around the z axis; so are shapes of the plane.",
+        about: "The shape rotated around the z axis; also for 2D shapes.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg([0.0, 0.0, 1.0], args.number(1)?))),
     },
     Function {
         name: "rotate",
         parameters: &[required("shape"), required("axis"), required("degrees")],
-        about: "The shape turned around an axis of three numbers through the origin.",
+        about: "The shape rotated around an axis through the origin, given as a vector of three numbers.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg(args.point(1)?, args.number(2)?))),
     },
     Function {
         name: "scale",
         parameters: &[required("shape"), required("factor")],
-        about: "The shape made larger or smaller, about the origin.",
+        about: "The shape scaled about the origin.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.scaled([args.number(1)?; 3]))),
     },
     Function {
         name: "stretch",
         parameters: &[required("shape"), required("x"), required("y"), optional("z", 1.0)],
-        about: "The shape with its own factor along each axis.",
+        about: "The shape scaled by a separate factor along each axis.",
         distance: BOUND,
         make: |args| apply_step(args, |args, field| Ok(field.scaled(args.numbers(1)?))),
     },
     Function {
         name: "mirror",
         parameters: &[required("shape"), required("x"), required("y"), optional("z", 0.0)],
-        about: "The mirror image in the plane through the origin with this normal.",
+        about: "The mirror image of the shape in the plane through the origin with the normal (x, y, z).",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.mirrored(args.numbers(1)?))),
     },
@@ -80,8 +80,9 @@ pub(super) const PLACE: &[Function] = &[
             optional("ny", 0.0),
             optional("nz", 0.0),
         ],
-        about: "Copies of the shape, so far apart along each axis (0: no copies) and so many (0: without end).",
-        distance: "outside exact if it was, else a sign; inside a lower bound",
+        about: "Copies of the shape: nx, ny and nz of them along the axes (0: infinitely many), at the \
+            spacings x, y and z (0: no copies along this axis).",
+        distance: "outside the exact distance if it was exact, else sign only; inside a lower bound",
         make: repeat,
     },
     Function {
@@ -93,7 +94,8 @@ pub(super) const PLACE: &[Function] = &[
             optional("y", 0.0),
             optional("z", 0.0),
         ],
-        about: "So many copies of the shape in a row, each moved by these lengths from the one before.",
+        about: "The given number of copies of the shape in a row, each moved by the vector (x, y, z) from \
+            the one before.",
         distance: COPIES,
         make: |args| {
             let (solid, step) = (args.shape(0)?, args.numbers::<3>(2)?);
@@ -104,8 +106,8 @@ pub(super) const PLACE: &[Function] = &[
     Function {
         name: "polar",
         parameters: &[required("shape"), required("count"), optional("degrees", 360.0)],
-        about: "So many copies of the shape around the z axis, evenly over an angle: a full turn, or from the \
-            first to the last.",
+        about: "The given number of copies of the shape around the z axis, spaced evenly over a full turn, \
+            or from the first to the last over another angle.",
         distance: COPIES,
         make: |args| {
             let (solid, count, angle) = (args.shape(0)?, args.count(1)?, args.number(2)?);
@@ -121,7 +123,7 @@ pub(super) const PLACE: &[Function] = &[
     Function {
         name: "symmetric",
         parameters: &[required("shape"), required("x"), required("y"), optional("z", 0.0)],
-        about: "The shape and its mirror image in the plane through the origin with this normal.",
+        about: "The shape and its mirror image in the plane through the origin with the normal (x, y, z).",
         distance: COPIES,
         make: |args| {
             let solid = args.shape(0)?;
@@ -131,7 +133,7 @@ pub(super) const PLACE: &[Function] = &[
     },
 ];
 
-const COPIES: &str = "outside as good as it was, inside a lower bound";
+const COPIES: &str = "outside as for the given shape, inside a lower bound";
 
 /// The most copies of a pattern. Defined: the limit on terms would refuse more anyway.
 const MOST_COPIES: u32 = 10_000;
@@ -156,27 +158,28 @@ pub(super) const CHANGE: &[Function] = &[
     Function {
         name: "offset",
         parameters: &[required("shape"), required("by")],
-        about: "The shape grown by a distance, or shrunk by a negative one; needs a distance on that side.",
-        distance: "exact on the side that the surface moved to, if it was exact there; else a lower bound",
+        about: "The shape grown by a distance, or shrunk by a negative one. Its value must be an exact \
+            distance or a lower bound on the side that the surface moves to.",
+        distance: "exact distance on the side that the surface moves to, if it was exact there; else a lower bound",
         make: |args| apply_step(args, |args, field| Ok(field.offset(args.number(1)?))),
     },
     Function {
         name: "minkowski",
         parameters: &[required("shape"), required("radius")],
-        about: "The Minkowski sum with a ball: all points nearer than a radius to the shape, whose value must be \
-            an exact distance outside.",
-        distance: "outside exact, inside a lower bound",
+        about: "The Minkowski sum with a ball: all points closer than the radius to the shape. Outside, \
+            the shape's value must be the exact distance.",
+        distance: "exact distance outside, lower bound inside",
         make: |args| {
             let solid = args.shape(0)?;
             if solid.field.distance().outside != DistanceQuality::Exact {
                 return Err(args.fault(
-                    "needs an exact distance outside, and this shape has none: \
-                         minkowski(redistance(shape, within), radius) makes one first",
+                    "needs a shape whose value outside is the exact distance: \
+                         write minkowski(redistance(shape, within), radius)",
                 ));
             }
             let by = args.number(1)?;
             if by < 0.0 || by.is_nan() {
-                return Err(args.fault("needs a radius of 0 or above"));
+                return Err(args.fault("needs a radius of at least 0"));
             }
             args.shape_result(solid.field.offset(args.number(1)?), &[solid])
         },
@@ -184,15 +187,17 @@ pub(super) const CHANGE: &[Function] = &[
     Function {
         name: "shell",
         parameters: &[required("shape"), required("thickness")],
-        about: "A wall along the surface, half of its thickness to each side; needs a distance on both.",
-        distance: "outside exact if it was, inside a lower bound",
+        about: "A wall along the surface, with half of its thickness on each side. The shape's value must \
+            be an exact distance or a lower bound on both sides.",
+        distance: "exact distance outside if it was exact on both sides; otherwise a lower bound",
         make: |args| apply_step(args, |args, field| Ok(field.shell(args.number(1)?))),
     },
     Function {
         name: "redistance",
         parameters: &[required("shape"), required("within")],
-        about: "The shape with a value that is a distance again, to triangles within a length of its surface.",
-        distance: "exact, of the triangles",
+        about: "The shape with its value replaced by the exact distance to triangles, which approximate \
+            its surface within this length.",
+        distance: "exact distance to the triangles",
         make: |args| {
             let (solid, within) = (args.shape(0)?, args.number(1)?);
             let fault = |why: &str| CallError(format!("redistance(): {why}"));
@@ -200,8 +205,10 @@ pub(super) const CHANGE: &[Function] = &[
             let redistanced =
                 redistance(&solid.field, within, args.job()).map_err(|failure| match failure {
                     Failure::Unmet(best) => fault(&match best.bound.at_most() {
-                        Some(most) => format!("the best triangles that were found are {most:e} away"),
-                        None => "no triangles were proved to be within the length".to_owned(),
+                        Some(most) => {
+                            format!("the best triangles found are up to {most:e} away from the surface")
+                        }
+                        None => "no triangles were proved to be within this length of the surface".to_owned(),
                     }),
                     Failure::Refused(why) => fault(&why.message.to_string()),
                     Failure::Cancelled => fault("cancelled"),
@@ -217,10 +224,11 @@ pub(super) const CHANGE: &[Function] = &[
             optional("bevel", 0.0),
             optional("rounded", 0.0),
         ],
-        about: "A shape of the plane made a solid of that height, half above and half below. A bevel cuts the edges of \
-            both ends off at 45 degrees, so wide and high; rounded, they are a quarter of a circle of that radius. Both go \
-            by the depths that the shape's value says.",
-        distance: "as it was; with a bevel or rounded edges a lower bound",
+        about: "A 2D shape extruded to a solid of this height, half above and half below z = 0. A bevel \
+            cuts off the edges of both ends at 45 degrees, to this width and height; rounded replaces them \
+            by quarter circles of this radius. Both take the depth below the outline from the shape's \
+            value.",
+        distance: "as for the given shape; with a bevel or rounded edges a lower bound",
         make: |args| {
             apply_step(args, |args, field| {
                 let [height, bevel, rounded] = args.numbers(1)?;
@@ -228,7 +236,7 @@ pub(super) const CHANGE: &[Function] = &[
                     (true, true) => Ok(field.extruded(height)),
                     (false, true) => Ok(field.extruded_with_bevel(height, bevel)),
                     (true, false) => Ok(field.extruded_with_round_edges(height, rounded)),
-                    (false, false) => Err(args.fault("takes a bevel or rounded edges, and both are given")),
+                    (false, false) => Err(args.fault("takes a bevel or rounded edges, not both")),
                 }
             })
         },
@@ -236,24 +244,25 @@ pub(super) const CHANGE: &[Function] = &[
     Function {
         name: "section",
         parameters: &[required("shape"), optional("z", 0.0)],
-        about: "The section of a solid with the plane at a height, as a shape of the plane.",
-        distance: "a lower bound",
+        about: "The cross-section of a solid at the height z, as a 2D shape.",
+        distance: BOUND,
         make: |args| apply_step(args, |args, field| Ok(field.section(args.number(1)?))),
     },
     Function {
         name: "taper",
         parameters: &[required("shape"), required("factor"), required("height")],
-        about: "A solid of that height, half above and half below, whose cross-section is the shape, scaled from \
-            1 at the bottom to the factor at the top.",
-        distance: "a lower bound; a sign if the shape has only a sign or no end",
+        about: "A solid of this height, half above and half below z = 0, whose cross-section is the shape \
+            scaled from 1 at the bottom to the factor at the top.",
+        distance: "lower bound; sign only if the shape is unbounded or its value is only a sign",
         make: |args| apply_step(args, |args, field| Ok(field.tapered(args.number(1)?, args.number(2)?))),
     },
     Function {
         name: "loft",
         parameters: &[required("shapes"), required("height")],
-        about: "A solid of that height, half above and half below, from the first of some shapes of the plane to \
-            the last. Those between draw it towards themselves, as control points draw a Bézier curve.",
-        distance: "a lower bound",
+        about: "A solid of this height, half above and half below z = 0, which blends from the first of a \
+            list of 2D shapes to the last. The shapes in between attract it, as control points attract a \
+            Bézier curve.",
+        distance: BOUND,
         make: |args| {
             let solids = args.shapes()?;
             let profiles: Vec<Field> = solids.iter().map(|solid| solid.field.clone()).collect();
@@ -263,29 +272,30 @@ pub(super) const CHANGE: &[Function] = &[
     Function {
         name: "revolve",
         parameters: &[required("shape")],
-        about: "A shape of the plane turned about its y axis, which then stands along z.",
-        distance: "as it was, where the shape keeps off the axis",
+        about: "A 2D shape revolved around its y axis, which becomes the z axis.",
+        distance: "as for the given shape, if it does not touch the axis",
         make: |args| apply_step(args, |_, field| Ok(Ok(field.revolved()))),
     },
     Function {
         name: "twist",
         parameters: &[required("shape"), required("degrees")],
-        about: "The shape turned about z by so much more with each unit of height.",
-        distance: "a lower bound, if it is bounded around the axis; else a sign",
+        about: "The shape rotated around the z axis by this angle per unit of height.",
+        distance: "lower bound if the shape is bounded around the z axis, else sign only",
         make: |args| apply_step(args, |args, field| Ok(field.twisted(args.number(1)? * RADIANS))),
     },
     Function {
         name: "bend",
         parameters: &[required("shape"), required("degrees")],
-        about: "The shape turned about z by so much more with each unit along x.",
-        distance: "a lower bound, if it is bounded around the axis; else a sign",
+        about: "The shape rotated around the z axis by this angle per unit along x.",
+        distance: "lower bound if the shape is bounded around the z axis, else sign only",
         make: |args| apply_step(args, |args, field| Ok(field.bent(args.number(1)? * RADIANS))),
     },
     Function {
         name: "displace",
         parameters: &[required("shape"), required("by"), required("amplitude")],
-        about: "The shape whose value has a formula added, which nowhere exceeds the amplitude in size.",
-        distance: "a sign",
+        about: "The shape with a formula added to its value; the amplitude is an upper bound of the \
+            formula's absolute value.",
+        distance: "sign only",
         make: |args| {
             let (solid, by) = (args.shape(0)?, args.formula(1)?);
             let field = solid.field.displaced(&by.expr, args.number(2)?);

@@ -27,7 +27,7 @@ export const EDITOR_PHRASES: Record<Language, EditorPhrases> = {
     hint: "Drag a number to the left or right, or change it with Alt + ↑ ↓. Ctrl + Space completes names.",
     hintForTouch: "Drag a number to the left or right, or tap it and change it with − and +.",
     gap: " ",
-    asDistance: (worth) => `Its value as a distance: ${worth}.`,
+    asDistance: (worth) => `The value is: ${worth}.`,
     line: (n) => `Line ${n}`,
     less: "One step less",
     more: "One step more",
