@@ -1,4 +1,4 @@
-//! Arguments that several verbs share: input, output, report; and how their values are read.
+//! Arguments that several verbs share: input, output and report, with the parsers of their values.
 use crate::memory;
 use crate::options::TableArgs;
 use chordal_verbs::options::ReadOptions;
@@ -13,15 +13,15 @@ pub struct InputArgs {
     #[arg(value_name = "IN", index = 1, help_heading = None::<&str>)]
     pub input: PathBuf,
 
-    /// Which level of detail of a glTF, of which the finest is 0; `verify` alone reads others.
+    /// Level of detail to read from a glTF; 0 is the finest. Only `verify` reads others.
     #[arg(skip)]
     pub level: usize,
 
     #[command(flatten)]
     pub read: TableArgs<ReadOptions>,
 
-    /// Maximum memory, e.g. 512M or 8G. Default: half of the machine's or its control group's. An input file may
-    /// be no larger than that, nor than 4 GiB
+    /// Maximum memory, e.g. 512M or 8G. Default: half of the machine's or its control group's. An input file
+    /// may be no larger than that, nor than 4 GiB
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
@@ -31,13 +31,13 @@ pub struct InputArgs {
 }
 
 impl InputArgs {
-    /// The most memory: what was said, else a share of what there is.
+    /// The most memory: `--max-memory`, else a share of the machine's.
     pub fn memory_limit(&self) -> Option<u64> {
         self.max_memory.or_else(memory::default_limit)
     }
 }
 
-/// Arguments about what is said while working and afterwards.
+/// Arguments for messages and reports.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Report")]
 pub struct ConsoleArgs {
@@ -71,9 +71,9 @@ pub struct OutputArgs {
     pub threads: usize,
 }
 
-/// `512M`, `8G`, `1000000`: powers of 1024, as memory comes.
+/// `512M`, `8G`, `1000000`: units are powers of 1024, as usual for memory.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
-    let wrong = || format!("a number of bytes reads like 512M or 8G, not '{text}'");
+    let wrong = || format!("expected a number of bytes like 512M or 8G, not '{text}'");
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let power = match &text[digits.len()..].to_ascii_uppercase()[..] {
         "" | "B" => 0,

@@ -23,8 +23,8 @@ use clap::{ArgGroup, Args};
 /// `chordal bake`
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Samples are f64, negative inside. A mesh that is no solid is baked too, and a warning says what its sides rest on.
-Fields, cages, patches and volumes become triangles first, unless a field's own values are distances.
+Samples are f64, negative inside. A mesh that is not solid is baked too; a warning says how inside and outside were
+decided. Fields, cages, patches and volumes become triangles first, unless a field's own values are distances.
 
 Examples:
   chordal bake part.stl --cells 128 -o part.nrrd
@@ -54,12 +54,12 @@ pub struct BakeArgs {
     #[arg(long, value_name = "W", value_parser = band, allow_hyphen_values = true)]
     pub band: Option<f64>,
 
-    /// Store only what the band reaches, in memory and in the file: for grids that would not fit into memory
+    /// Store only the band, in memory and in the file: for grids that would not fit into memory
     #[arg(long, requires = "band")]
     pub sparse: bool,
 
-    /// Prove how far the zero surface of the samples' interpolant is from the shape, so that bounds of what
-    /// is made of the samples include it; --tol always does
+    /// Prove how far the zero surface of the samples' interpolant is from the shape, so that bounds of later
+    /// results include it; --tol always does
     #[arg(long)]
     pub bound: bool,
 
@@ -76,7 +76,7 @@ pub struct BakeArgs {
 fn band(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(width) if width > 0.0 && width <= 1e6 => Ok(width),
-        _ => Err("a band is a number of cells above 0 and up to a million".to_owned()),
+        _ => Err("a band is a number of cells, above 0 and at most a million".to_owned()),
     }
 }
 
@@ -96,7 +96,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let resolution = match (args.cells, args.tol) {
         (Some(cells), None) => BakeResolution::Cells(cells as usize),
         (None, Some(length)) => BakeResolution::Within(length),
-        _ => return Err(Fault::usage("either --cells or --tol says how fine the lattice is")),
+        _ => return Err(Fault::usage("give either --cells or --tol, which set the resolution")),
     };
     let spec = BakeSpec { resolution, band: args.band, is_sparse: args.sparse, is_bounded: args.bound };
     let outcome = bake(input, &spec, to, &job)
@@ -109,9 +109,9 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     if let Some(fault) = unmet.clone().filter(|_| !args.keep_best) {
         return Err(fault);
     }
-    let solid = outcome.certificate.baked.as_ref().and_then(|facts| facts.solid.as_ref());
-    if let Some(solid) = solid.filter(|solid| !solid.is_solid) {
-        console.warn(&name, &[&solid.sentence]);
+    let solidity = outcome.certificate.baked.as_ref().and_then(|facts| facts.solid.as_ref());
+    if let Some(solidity) = solidity.filter(|solidity| !solidity.is_solid) {
+        console.warn(&name, &[&solidity.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("bake", name, target.name(), bytes) };
@@ -147,21 +147,21 @@ fn add_grid(lines: &mut SummaryLines, facts: &DistanceGridFacts) {
     lines.add_if("band", band);
     let route = match facts.route {
         "field" => "to the surface of the field, by its own values",
-        "tessellation" => "to triangles that were made of the shape",
+        "tessellation" => "to a triangle mesh of the shape",
         _ => "to the triangles",
     };
     lines.add("distances", route);
-    let off_by = |most: f64, evidence: &str| {
+    let error_text = |most: f64, evidence: &str| {
         format!("off by at most {} ({evidence})", short(most, RoundingDirection::Up))
     };
-    lines.add_if("samples off", facts.off_at_most.map(|most| off_by(most, facts.evidence)));
-    let between = facts.interpolant.as_ref();
-    lines.add_if("between them", between.map(|facts| off_by(facts.at_most, facts.evidence)));
+    lines.add_if("samples off", facts.off_at_most.map(|most| error_text(most, facts.evidence)));
+    let interpolant = facts.interpolant.as_ref();
+    lines.add_if("between them", interpolant.map(|facts| error_text(facts.at_most, facts.evidence)));
     if let Some([stored, all]) = facts.bricks {
-        lines.add("bricks", format!("{} of {} are held", grouped(stored), grouped(all)));
+        lines.add("bricks", format!("{} of {} are stored", grouped(stored), grouped(all)));
     }
     let Some(solid) = &facts.solid else { return };
-    let sides = if solid.closed { "known for sure" } else { "by winding numbers, sure only away from holes" };
+    let sides = if solid.closed { "certain" } else { "by winding numbers, certain only away from holes" };
     lines.add("sides", sides);
     lines.add("solid", if solid.is_solid { "yes" } else { "no" });
 }

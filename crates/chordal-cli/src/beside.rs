@@ -1,13 +1,13 @@
-//! Reading the files that a file names beside it, and none outside its folder.
+//! Reads files that an input references, but none outside of its folder.
 use crate::fault::{Fault, plainly};
 use crate::input::InputSource;
 use std::path::{Path, PathBuf};
 
-/// All bytes of a file by its path below the folder of the file `first`, at most `limit`.
+/// All bytes of the file at `path`, relative to the folder of the file `first`; at most `limit`.
 ///
 /// # Errors
-/// As a sentence: when it is no regular file, cannot be read, is larger than `limit`, changes while it is
-/// read, or is reached by a link that leads out of the folder.
+/// One sentence, if it is no regular file, cannot be read, is larger than `limit`, changes while it is read,
+/// or is reached by a link out of the folder.
 pub fn read_beside(first: &Path, path: &str, limit: u64) -> Result<Vec<u8>, String> {
     let full = below(first.parent().unwrap_or(Path::new("")), path)?;
     let without_name = |fault: Fault| {
@@ -17,19 +17,23 @@ pub fn read_beside(first: &Path, path: &str, limit: u64) -> Result<Vec<u8>, Stri
     InputSource::File(full).read(limit).map_err(without_name)
 }
 
-/// As [`read_beside`], below the first of some folders that has the file; `None` where none has.
+/// As [`read_beside`], in the first of several folders that has the file; `None` if none has.
 pub fn read_allowed(folders: &[PathBuf], path: &str, limit: u64) -> Option<Result<Vec<u8>, String>> {
     let folder = folders.iter().find(|folder| folder.join(path).exists())?;
     Some(read_beside(&folder.join("file"), path, limit))
 }
 
-/// The file that a path below `folder` leads to, links followed.
+/// The resolved path of a file below `folder`, refused if links lead out of it.
 fn below(folder: &Path, path: &str) -> Result<PathBuf, String> {
-    let whole = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));
-    // Of a file in the working folder the parent is empty.
+    let resolved = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));
+    // The parent of a file in the working folder is the empty path.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let full = whole(&folder.join(path))?;
-    if full.starts_with(whole(folder)?) { Ok(full) } else { Err("it is a link out of the folder".to_owned()) }
+    let full = resolved(&folder.join(path))?;
+    if full.starts_with(resolved(folder)?) {
+        Ok(full)
+    } else {
+        Err("the path is a link that leads out of the folder".to_owned())
+    }
 }
 
 #[cfg(test)]

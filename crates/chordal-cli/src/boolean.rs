@@ -1,4 +1,4 @@
-//! `--union`, `--minus` and `--intersect` of `chordal mesh`, in the order in which they were given.
+//! `--union`, `--minus` and `--intersect` of `chordal mesh`, in the order of the command line.
 use crate::args::InputArgs;
 use crate::console::Console;
 use crate::fault::Fault;
@@ -11,7 +11,7 @@ use chordal_verbs::BooleanOperand;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, value_parser};
 use std::path::{Path, PathBuf};
 
-/// The names of the options, and what they do.
+/// The names of the options, their operations and their help texts.
 const OPTIONS: [(&str, BooleanOp, &str); 3] = [
     (
         "union",
@@ -19,10 +19,10 @@ const OPTIONS: [(&str, BooleanOp, &str); 3] = [
         "Unite with another solid; these options are repeatable, and apply from left to right",
     ),
     ("minus", BooleanOp::Difference, "Subtract another solid"),
-    ("intersect", BooleanOp::Intersection, "Keep what is in another solid as well"),
+    ("intersect", BooleanOp::Intersection, "Keep only the part inside another solid"),
 ];
 
-/// What is combined with the input.
+/// The solids to combine with the input.
 #[derive(Clone, Debug, Default)]
 pub struct BooleanArgs {
     /// In the order of the command line.
@@ -52,16 +52,17 @@ impl Args for BooleanArgs {
 
 impl FromArgMatches for BooleanArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        let mut found: Vec<(usize, BooleanOp, PathBuf)> = Vec::new();
+        let mut operands: Vec<(usize, BooleanOp, PathBuf)> = Vec::new();
         for (name, op, _) in OPTIONS {
-            let (Some(places), Some(paths)) = (matches.indices_of(name), matches.get_many::<PathBuf>(name))
+            let (Some(indices), Some(paths)) = (matches.indices_of(name), matches.get_many::<PathBuf>(name))
             else {
                 continue;
             };
-            found.extend(places.zip(paths).map(|(place, path)| (place, op, path.clone())));
+            operands.extend(indices.zip(paths).map(|(index, path)| (index, op, path.clone())));
         }
-        found.sort_by_key(|(place, ..)| *place);
-        Ok(Self { operands: found.into_iter().map(|(_, op, path)| (op, path)).collect() })
+        operands.sort_by_key(|(index, ..)| *index);
+        let operands = operands.into_iter().map(|(_, op, path)| (op, path)).collect();
+        Ok(Self { operands })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -71,38 +72,39 @@ impl FromArgMatches for BooleanArgs {
 }
 
 impl BooleanArgs {
-    /// Refuses an output that is one of the files.
+    /// Refuses an output that is one of the operands' files.
     pub fn refuse_output(&self, output: &Path) -> Result<(), Fault> {
         self.operands.iter().try_for_each(|(_, path)| refuse_input(output, &InputSource::from_arg(path)))
     }
 
-    /// Their names.
+    /// The paths of the operands.
     pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         self.operands.iter().map(|(_, path)| path)
     }
 
-    /// Where the files stand that they named, or may stand.
+    /// The possible paths of the files that the operands reference.
     pub fn files_beside(&self, args: &InputArgs, others: &[BooleanOperand]) -> Vec<PathBuf> {
-        let of = |(path, other): (&PathBuf, &BooleanOperand)| {
-            let own = InputArgs { input: path.clone(), ..args.clone() };
-            load::files_beside(&own, &other.input).collect::<Vec<_>>()
+        let files_of = |(path, other): (&PathBuf, &BooleanOperand)| {
+            let operand_args = InputArgs { input: path.clone(), ..args.clone() };
+            load::files_beside(&operand_args, &other.input).collect::<Vec<_>>()
         };
-        self.paths().zip(others).flat_map(of).collect()
+        self.paths().zip(others).flat_map(files_of).collect()
     }
 
-    /// Reads them.
+    /// Reads the operands.
     pub fn read(&self, args: &InputArgs, job: &Job, console: &Console) -> Result<Vec<BooleanOperand>, Fault> {
         self.operands
             .iter()
             .map(|(op, path)| {
-                let mut own = InputArgs { input: path.clone(), ..args.clone() };
-                (own.read.from, own.read.unit, own.read.up) = (None, None, None);
+                let mut operand_args = InputArgs { input: path.clone(), ..args.clone() };
+                (operand_args.read.from, operand_args.read.unit, operand_args.read.up) = (None, None, None);
                 let source = InputSource::from_arg(path);
                 if matches!(source, InputSource::Stdin) {
                     return Err(Fault::usage("only the input itself can be stdin"));
                 }
-                let mut input = load::read_other(&own, job, console)?;
-                // What is said of the space of the input is no other file's, unless that says nothing itself.
+                let mut input = load::read_other(&operand_args, job, console)?;
+                // --unit and --up describe the input; they apply to an operand only if its file has no unit
+                // or up axis.
                 let frame = input.shape.frame_mut();
                 frame.metres_per_unit = frame.metres_per_unit.or(args.read.unit.map(|unit| unit.metres()));
                 frame.up = frame.up.or(args.read.up);

@@ -32,8 +32,8 @@ pub struct Cli {
 const EXIT_CODES: &str = "\
 Exit codes:
     0  done
-    1  a check failed, or some files of a batch did not go well
-    2  the command line makes no sense
+    1  a check failed, or some files of a batch failed
+    2  the command line is invalid
     3  the input cannot be read or is not supported
     4  the output cannot be written
     5  the budget was not reached, or cannot be
@@ -42,7 +42,7 @@ Exit codes:
 
 Messages go to stderr, data to stdout. '-' is stdin or stdout. Colours obey NO_COLOR.";
 
-/// One word for each thing that can be done.
+/// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
     /// Turn any shape into triangles, or curves into polylines, within a budget

@@ -1,15 +1,14 @@
-//! What only this run knows: how long it took and how much memory it held. None of it goes into a
-//! certificate.
+//! Facts of this run alone: its duration and its memory. They are never part of a certificate.
 use chordal::Job;
 use chordal_verbs::report::RunFacts;
 use std::time::Instant;
 
-/// Started with the verb.
+/// A stopwatch, started with the verb.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock(Instant);
 
 impl Clock {
-    /// Starts.
+    /// Starts the clock.
     pub fn start() -> Self {
         Self(Instant::now())
     }
@@ -27,7 +26,7 @@ impl Clock {
     }
 }
 
-/// The largest resident size so far; only where the system tells it in a file.
+/// The largest resident size so far, if the system has it in a file, as Linux.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

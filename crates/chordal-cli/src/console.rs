@@ -1,4 +1,4 @@
-//! What is said while working and afterwards: messages and progress on stderr, reports on stdout.
+//! Messages and progress on stderr, reports on stdout.
 use crate::args::ConsoleArgs;
 use crate::fault::{Exit, Fault, plainly};
 use crate::{signal, stdout_at_start};
@@ -7,14 +7,14 @@ use serde_json::json;
 use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
 
-/// How much is said, and in which form.
+/// The verbosity and the form of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Console {
     json: bool,
     level: Verbosity,
 }
 
-/// How much is said.
+/// How many messages are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verbosity {
     Errors,
@@ -22,11 +22,12 @@ enum Verbosity {
     More,
 }
 
-/// The most warning lines of one kind that are shown.
+/// The most warnings that are printed unless `-v` is given. Chosen: more would push other messages off a
+/// screen.
 const MOST_LINES: usize = 10;
 
 impl Console {
-    /// As the command line says.
+    /// A console with the options of the command line.
     pub fn new(args: &ConsoleArgs) -> Self {
         let level = match (args.quiet, args.verbose) {
             (true, _) => Verbosity::Errors,
@@ -36,7 +37,7 @@ impl Console {
         Self { json: args.json, level }
     }
 
-    /// Warnings, unless quiet; the first ten, or all when more is to be said.
+    /// Prints warnings, unless quiet: the first ten, or all if verbose.
     pub fn warn(&self, name: &str, warnings: &[impl ToString]) {
         let shown = if self.level == Verbosity::More { warnings.len() } else { MOST_LINES };
         for warning in warnings.iter().take(shown) {
@@ -50,12 +51,12 @@ impl Console {
         }
     }
 
-    /// A sentence, unless quiet.
+    /// Prints a sentence, unless quiet.
     pub fn say(&self, text: &str) {
         self.message(Verbosity::Usual, text);
     }
 
-    /// Something that went wrong while other things go on.
+    /// Prints an error that does not end the command.
     #[cfg(not(target_family = "wasm"))]
     pub fn failure(&self, text: &str) {
         self.message(Verbosity::Errors, text);
@@ -66,26 +67,27 @@ impl Console {
         self.level != Verbosity::Errors && io::stderr().is_terminal()
     }
 
-    /// Something that only those who asked for more want to know.
+    /// Prints a sentence only if verbose.
     pub fn detail(&self, text: &str) {
         self.message(Verbosity::More, text);
     }
 
-    /// To stderr. When that is closed there is nobody to tell.
+    /// Writes to stderr; a failure is ignored, since it could be reported nowhere.
     fn message(&self, from: Verbosity, text: &str) {
         if self.level >= from {
             let _ = writeln!(io::stderr(), "chordal: {}", printable(text));
         }
     }
 
-    /// The result: the report as JSON, or its summary for people, on stdout; the summary goes to stderr where
-    /// the data itself is on stdout.
+    /// Prints the report as JSON, or its summary for people, to stdout. The summary goes to stderr if the
+    /// output itself goes to stdout.
     ///
     /// # Errors
-    /// When stdout cannot be written.
+    /// If stdout cannot be written.
     pub fn result(&self, report: &impl Serialize, summary: &str, stdout: StdoutUse) -> Result<(), Fault> {
         match (self.json, stdout) {
-            // Text at once: the same as values in memory takes twenty times its bytes. Reports have texts as keys.
+            // Serialized directly to text: a `Value` in between takes twenty times its bytes. It cannot fail,
+            // since all keys of reports are strings.
             (true, _) => print(&format!("{}\n", serde_json::to_string_pretty(report).unwrap_or_default())),
             (false, _) if self.level == Verbosity::Errors => Ok(()),
             (false, StdoutUse::Free) => print(&printable(summary)),
@@ -100,13 +102,13 @@ impl Console {
 /// Whether stdout is free for a summary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StdoutUse {
-    /// Nothing else goes there.
+    /// Nothing else is written to stdout.
     Free,
-    /// The output goes there.
+    /// The output is written to stdout.
     HoldsData,
 }
 
-/// Writes to stdout; a pipe that closed early is a fault like any other.
+/// Writes to stdout; a pipe that was closed early is an error like any other.
 pub fn print(text: &str) -> Result<(), Fault> {
     check_stdout()?;
     let mut stdout = io::stdout().lock();
@@ -116,8 +118,8 @@ pub fn print(text: &str) -> Result<(), Fault> {
         .map_err(|error| Fault::output("unwritable", format!("stdout: {}", plainly(&error))))
 }
 
-/// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there
-/// already.
+/// Prints an error to stderr and, with `--json`, as an object to stdout, unless a report was printed before.
+/// Returns the exit code.
 pub fn fail(fault: &Fault, json: bool) -> u8 {
     let _ = signal::without_interruption(|| write!(std::io::stderr(), "{}", printable(&fault.to_string())));
     if json && !fault.reported {
@@ -126,38 +128,37 @@ pub fn fail(fault: &Fault, json: bool) -> u8 {
     fault.exit as u8
 }
 
-/// What went wrong, as an object for programs.
+/// An error as JSON.
 fn error_report(fault: &Fault) -> String {
     let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
     let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });
     format!("{report:#}\n")
 }
 
-/// Prepares what programs read where the system has no memory left: then none is left to write a report with.
+/// Prepares the JSON error for an abort: once memory has run out, a report cannot be built any more.
 pub fn report_aborts() {
-    let message = "the system gave no more memory, or a stack ran over: allow less with --max-memory, so that the job ends with \
-        the best that it has";
+    let message = "out of memory or stack overflow: set a lower --max-memory, so that the job ends with the best result \
+    so far";
     signal::say_of_aborts(error_report(&Fault::new(Exit::Budget, "out-of-memory", message)));
 }
 
-/// The text without what terminals obey: names of files may hold escape sequences.
+/// The text with control characters escaped: file names may contain escape sequences of terminals.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let is_control = |c: char| c.is_control() && c != '\n' && c != '\t';
     if !text.contains(is_control) {
         return Cow::Borrowed(text);
     }
-    let mut shown = String::with_capacity(text.len());
+    let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
-        if is_control(c) { shown.extend(c.escape_default()) } else { shown.push(c) }
+        if is_control(c) { escaped.extend(c.escape_default()) } else { escaped.push(c) }
     }
-    Cow::Owned(shown)
+    Cow::Owned(escaped)
 }
 
-/// Fails where the process was started with stdout closed, or open only for reading. What goes to `/dev/null` was
-/// written, however that is open.
+/// Checks that stdout can be written. `/dev/null` counts as writable, however it was opened.
 ///
 /// # Errors
-/// Then.
+/// If the process was started with stdout closed, or open only for reading.
 pub fn check_stdout() -> Result<(), Fault> {
     let fault = |why: &str| Err(Fault::output("unwritable", format!("stdout: {why}")));
     match (stdout_at_start::was_closed(), stdout_at_start::cannot_be_written()) {

@@ -28,8 +28,8 @@ use std::path::{Path, PathBuf};
 /// `chordal convert`
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Nothing is made simpler, merged or repaired. The bound is the rounding to the format, and what the format does not hold
-is listed. Smooth shapes become triangles by `mesh`, which takes a budget.
+Nothing is simplified, merged or repaired. The bound is the rounding of the format; data that the format cannot hold is
+listed. To turn smooth shapes into triangles, use `mesh`, which takes a budget.
 
 Examples:
   chordal convert part.stl part.3mf --unit mm
@@ -84,9 +84,9 @@ pub struct ConvertArgs {
 pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    // One of the two is there, by the rules of the arguments.
+    // clap requires one of the two.
     let output = args.output.as_ref().or(args.output_option.as_ref());
-    let output = output.ok_or_else(|| Fault::usage("there is no output: name a file"))?;
+    let output = output.ok_or_else(|| Fault::usage("no output was given: name a file"))?;
     let to = writable_format(output, args.to)?;
     let stdout = execution::stdout_for(output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
@@ -104,7 +104,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     }
     let is_drawing = matches!(input.shape, Shape::Drawing(_));
     if args.tol.is_some() && !(is_drawing && to == Format::Svg) {
-        return Err(Fault::usage("--tol is for drawings to svg: everything else is converted as it is"));
+        return Err(Fault::usage("--tol is for drawings written as svg: other shapes are converted exactly"));
     }
     let hint = if args.tol.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };
     let outcome = convert_within(input, args.set.form(to), args.tol, &job).spelled(&CommandLine).map_err(
@@ -113,26 +113,27 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
             failure => run_outcome::fault(&name, &failure, ""),
         },
     )?;
-    let one = &mut |out: &mut dyn Write| outcome.write(out);
+    let write_single = &mut |out: &mut dyn Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
-    let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let bytes =
+        args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("convert", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     console.result(&report, &summary_text(&report), stdout)
 }
 
-/// The verb that makes of the shape what the format holds, and its budget.
+/// The command that turns the shape into one that the format can hold.
 fn mesh_advice(shape: &Shape, input: &str, output: &Path) -> String {
     let output = quoted(&output.display().to_string());
     let command = format!("chordal mesh {} -o {output}", quoted(input));
     match shape {
         Shape::Volume(_) => {
-            format!("{input}: a volume becomes the triangles of a surface of its samples: {command}")
+            format!("{input}: to turn a volume into the triangles of an isosurface: {command}")
         }
         Shape::Cage(_) => format!(
-            "{input}: this format holds no polygons: {command} --tol 0.1% makes triangles of the smooth surface, \
-             and --level 0 in its place those of the polygons"
+            "{input}: this format holds no polygons: {command} --tol 0.1% makes triangles of the smooth surface; \
+            --level 0 instead of --tol makes triangles of the polygons"
         ),
         Shape::Drawing(_) | Shape::Curves(_) => {
             format!("{input}: curves become polylines or triangles within a budget: {command} --tol 0.1%")
@@ -145,7 +146,7 @@ fn kind(shape: &Shape) -> &'static str {
     if matches!(shape, Shape::Field(_)) { "fields" } else { shape.kind() }
 }
 
-/// What every verb says of a result, and what the format does not hold.
+/// The summary: the output, its bound, and notes on data that the format cannot hold.
 fn summary_text(report: &Report) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
     let mut lines = SummaryLines::of_run(run);

@@ -28,21 +28,21 @@ Examples:
   chordal deviation bone.stl scan.nii.gz --iso 300
   chordal deviation a.stl b.stl --relative 0.01 --json")]
 pub struct DeviationArgs {
-    /// The shape to compare with; the input options apply to both, those for fields and volumes to whichever
-    /// is one
+    /// The shape to compare with. Input options apply to both shapes; those for fields and volumes only to
+    /// inputs of that kind
     #[arg(value_name = "AGAINST", index = 2)]
     pub against: PathBuf,
 
     /// Exit with code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the
-    /// diagonal of AGAINST's bounding box. Stops as soon as that is known
+    /// diagonal of AGAINST's bounding box. Stops as soon as that is decided
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub max: Option<Length>,
 
-    /// How far the upper bound may be above the lower one, as a share of it
+    /// The largest gap between upper and lower bound, as a share of the lower one
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, allow_hyphen_values = true)]
     pub relative: f64,
 
-    /// How far it may be above, as a length; either is enough
+    /// The largest gap between upper and lower bound, as a length; meeting either limit is enough
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub absolute: Option<Length>,
 
@@ -61,18 +61,18 @@ pub struct DeviationArgs {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share = text.parse::<f64>().map_err(|_| "a share reads like 0.1".to_owned())?;
+    let share = text.parse::<f64>().map_err(|_| "expected a share like 0.1".to_owned())?;
     if share >= 0.0 && share.is_finite() { Ok(share) } else { Err("a share is 0 or more".to_owned()) }
 }
 
-/// Reads both, measures, reports, and checks the limit.
+/// Reads both shapes, measures, reports, and checks the limit.
 pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
     let job = execution::job(&args.input, None, &console).with_threads(args.threads);
     let (first, second) = (InputSource::from_arg(&args.input.input), InputSource::from_arg(&args.against));
     if matches!((&first, &second), (InputSource::Stdin, InputSource::Stdin)) {
-        return Err(Fault::usage("stdin can be only one of the two shapes"));
+        return Err(Fault::usage("only one of the two shapes can be stdin"));
     }
     let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
     let [mut a, mut b] = load::read_both([&args.input, &against], &job, &console)?;

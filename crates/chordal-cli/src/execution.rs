@@ -1,4 +1,4 @@
-//! The steps before a verb that makes one thing of another: its job, and where its output goes.
+//! The steps before a verb starts: its job, and the checks of its output.
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::console::{Console, StdoutUse};
 use crate::fault::Fault;
@@ -7,12 +7,12 @@ use crate::signal;
 use chordal::Job;
 use std::path::Path;
 
-/// A job that obeys the command line and signals.
+/// A job with the limits of the command line, cancelled by signals.
 pub fn job(input: &InputArgs, output: Option<&OutputArgs>, console: &Console) -> Job {
     job_on_threads(input, output.map_or(0, |args| args.threads), console)
 }
 
-/// The same on so many threads; 0 means all.
+/// The same with a number of threads; 0 means all.
 pub fn job_on_threads(input: &InputArgs, threads: usize, console: &Console) -> Job {
     let mut job = Job::default().with_threads(threads);
     job.memory_limit = input.memory_limit().unwrap_or(job.memory_limit);
@@ -20,17 +20,17 @@ pub fn job_on_threads(input: &InputArgs, threads: usize, console: &Console) -> J
     console.progress(job)
 }
 
-/// What `--force` says.
+/// The policy that `--force` selects.
 pub fn existing(args: &OutputArgs) -> OverwritePolicy {
     if args.force { OverwritePolicy::Replace } else { OverwritePolicy::Keep }
 }
 
-/// Whether a summary can go to stdout.
+/// Whether stdout is free for a summary.
 pub fn stdout(output: &OutputArgs, console: &ConsoleArgs) -> Result<StdoutUse, Fault> {
     stdout_for(&output.output, console)
 }
 
-/// The same for an output of that name.
+/// The same for a path.
 pub fn stdout_for(output: &Path, console: &ConsoleArgs) -> Result<StdoutUse, Fault> {
     match (output.as_os_str() == "-", console.json) {
         (true, true) => Err(Fault::usage("--json and '-o -' both write to stdout: choose one")),

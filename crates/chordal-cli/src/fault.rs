@@ -1,30 +1,29 @@
-//! `Fault`: why the command ends without doing what was asked, as lines for people and an exit code for
-//! programs.
+//! `Fault`: an error that ends the command, with lines for people and an exit code for programs.
 use std::fmt;
 
 /// The exit codes. They are part of the interface: scripts test them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// The thing that was checked is not so.
+    /// A check failed.
     CheckFailed = 1,
-    /// The command line asks for something that makes no sense.
+    /// The command line is invalid.
     Usage = 2,
-    /// The input cannot be read, or holds what is not supported.
+    /// The input cannot be read, or is not supported.
     Input = 3,
     /// The output cannot be written.
     Output = 4,
-    /// The budget was not reached, or cannot be.
+    /// The budget was not met, or cannot be.
     Budget = 5,
-    /// What was to be proved again was neither proved nor refuted.
+    /// A claim of a certificate was neither re-proved nor refuted.
     NotProved = 6,
-    /// Somebody asked to stop.
+    /// A signal stopped the command.
     Interrupted = 130,
 }
 
-/// The most error lines that are shown.
+/// The most error lines that are printed. Chosen: more would push the first off a screen.
 const MOST_LINES: usize = 10;
 
-/// One or more sentences and the exit code that goes with them.
+/// One or more sentences and the exit code.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The exit code.
@@ -33,7 +32,7 @@ pub struct Fault {
     pub code: &'static str,
     /// One sentence each, as in `teapot.bpt: line 3: …`.
     pub lines: Vec<String>,
-    /// Whether a report went to stdout before: a check that fails, or a best result that is kept.
+    /// Whether a report was printed to stdout before, as for a failed check or with `--keep-best`.
     pub reported: bool,
 }
 
@@ -43,22 +42,22 @@ impl Fault {
         Self { exit, code, lines: vec![line.into()], reported: false }
     }
 
-    /// The command line asks for something that makes no sense.
+    /// An invalid command line.
     pub fn usage(line: impl Into<String>) -> Self {
         Self::new(Exit::Usage, "usage", line)
     }
 
-    /// The input cannot be read.
+    /// An input that cannot be read.
     pub fn input(code: &'static str, line: impl Into<String>) -> Self {
         Self::new(Exit::Input, code, line)
     }
 
-    /// The output cannot be written.
+    /// An output that cannot be written.
     pub fn output(code: &'static str, line: impl Into<String>) -> Self {
         Self::new(Exit::Output, code, line)
     }
 
-    /// Somebody asked to stop. The signal handler has said so already, hence no line.
+    /// A signal stopped the command. There is no line, since the signal handler prints one.
     pub fn interrupted() -> Self {
         Self { exit: Exit::Interrupted, code: "cancelled", lines: Vec::new(), reported: false }
     }
@@ -71,12 +70,12 @@ impl fmt::Display for Fault {
         }
         match self.lines.len().saturating_sub(MOST_LINES) {
             0 => Ok(()),
-            more => writeln!(f, "chordal: and {more} more"),
+            n_more => writeln!(f, "chordal: and {n_more} more"),
         }
     }
 }
 
-/// An error of the system in lower case and without its number, as it stands in the middle of a sentence.
+/// A system error for the middle of a sentence: in lower case and without its number.
 pub fn plainly(error: &std::io::Error) -> String {
     let text = error.to_string();
     let text = text.split(" (os error").next().unwrap_or(&text);

@@ -1,10 +1,10 @@
-//! Folders as inputs: those that hold a series of slices, or the tiles of a tileset.
+//! Folders as inputs: a series of DICOM slices, or a tileset.
 use chordal_io::{Format, dicom};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The list of the files in a folder, if one of them is a slice of DICOM.
+/// The list of the files in a folder, if one of them is a DICOM slice.
 pub fn list_slices(folder: &Path) -> Option<Vec<u8>> {
     if !folder.is_dir() {
         return None;
@@ -20,14 +20,14 @@ pub fn list_slices(folder: &Path) -> Option<Vec<u8>> {
     has_slice.then(|| dicom::slice_list(names.iter().map(String::as_str)))
 }
 
-/// The list of the tiles in a folder, as `lod` writes one.
+/// The path of a folder's `tileset.json`, as written by `lod`.
 pub fn tileset_in(folder: &Path) -> Option<PathBuf> {
     let list = folder.join("tileset.json");
     (folder.is_dir() && list.is_file()).then_some(list)
 }
 
 fn is_slice(path: &Path) -> bool {
-    /// As much as holds the mark of a slice, which ends at byte 132.
+    /// Derived: a DICOM file begins with a preamble of 128 bytes and the magic `DICM`.
     const HEAD: u64 = 132;
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));

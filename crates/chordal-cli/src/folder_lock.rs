@@ -1,5 +1,5 @@
-//! `FolderLock`: one job alone writes a folder. The lock is that of a file beside the folder, which the system
-//! gives back when the job ends, however it ends.
+//! `FolderLock`: lets only one job write a folder. It locks a file beside the folder; the system releases the
+//! lock when the job ends, even by a kill.
 use crate::overwrite::parent;
 use crate::signal;
 use std::ffi::OsStr;
@@ -7,8 +7,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The lock of a folder. Its file `.NAME.chordal-lock` stands beside the folder, so that it stays when the
-/// folder is exchanged, and is removed at the end; one that a kill leaves is in nobody's way.
+/// The lock of a folder. Its file `.NAME.chordal-lock` is beside the folder, so that it stays when the folder
+/// is exchanged. It is removed at the end; a file left by a kill is harmless.
 pub struct FolderLock {
     path: PathBuf,
     file: File,
@@ -19,12 +19,12 @@ impl FolderLock {
     /// Locks a folder, which need not exist.
     ///
     /// # Errors
-    /// [`io::ErrorKind::WouldBlock`] when another job has it; others when the file cannot be written.
+    /// [`io::ErrorKind::WouldBlock`] if another job holds the lock; others if the file cannot be written.
     pub fn acquire(folder: &Path) -> io::Result<Self> {
         let name = folder.file_name().map(OsStr::to_string_lossy).unwrap_or_default();
         let path = parent(folder).join(format!(".{name}.chordal-lock"));
-        // The one who had it may remove its file between the two steps. Chosen: that often in a row is another
-        // fault.
+        // The previous holder may remove the file between opening and locking it. Chosen: so many times in a
+        // row must have another cause.
         for _ in 0..100 {
             let locked =
                 signal::create_unfinished(&path, Box::new(signal::remove_file), || open_locked(&path));
@@ -37,16 +37,16 @@ impl FolderLock {
         Err(io::ErrorKind::WouldBlock.into())
     }
 
-    /// Whether there is a lock: some file systems have none.
+    /// Whether the folder is really locked: some file systems have no locks.
     pub fn is_held(&self) -> bool {
         self.is_held
     }
 }
 
-/// What is said where another file has the name by the time of the lock. No call here ends so by itself.
+/// The error if the path no longer names the locked file. No system call here returns it by itself.
 const REPLACED: io::ErrorKind = io::ErrorKind::Interrupted;
 
-/// Opens and locks the file of this name, and says whether that is a lock.
+/// Opens and locks the file; returns it and whether the file system has locks.
 fn open_locked(path: &Path) -> io::Result<(File, bool)> {
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
     let is_held = match file.try_lock() {
@@ -72,8 +72,8 @@ fn is_named(_: &File, _: &Path) -> bool {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // Removed while it is locked, so that nobody has locked it since. Where a file cannot be told from
-        // another of its name, it stays.
+        // Removed while still locked, so that no other job can have locked it since. Elsewhere than on Unix
+        // the file stays, since `is_named` cannot tell it from a later file of the same name.
         if cfg!(unix) {
             let _ = fs::remove_file(&self.path);
         }

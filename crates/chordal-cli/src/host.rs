@@ -1,12 +1,12 @@
-//! What a process has and a module in a browser has not.
+//! The number of this process; a module in a browser has none.
 
-/// What tells this process from others that write beside it.
+/// The process id, which keeps temporary names of concurrent processes apart.
 #[cfg(not(target_family = "wasm"))]
 pub fn process_number() -> u32 {
     std::process::id()
 }
 
-/// A module is alone with its files.
+/// No other process writes beside a module in a browser.
 #[cfg(target_family = "wasm")]
 pub fn process_number() -> u32 {
     0

@@ -1,10 +1,10 @@
-//! Reading a file or stdin whole, and refusing what is not a file before a byte is read.
+//! Reads a file or stdin completely; refuses paths that are no regular files before reading.
 use crate::fault::{Fault, plainly};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Where input comes from.
+/// The source of an input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum InputSource {
     /// `-`.
@@ -30,7 +30,7 @@ impl InputSource {
     /// All bytes, at most `limit`.
     ///
     /// # Errors
-    /// When it is no regular file, cannot be read, is larger than `limit`, or changes while it is read.
+    /// If it is no regular file, cannot be read, is larger than `limit`, or changes while it is read.
     pub fn read(&self, limit: u64) -> Result<Vec<u8>, Fault> {
         let name = self.name();
         match self {
@@ -47,8 +47,8 @@ impl InputSource {
     }
 }
 
-/// Opens `path` if it is a regular file. The kind is asked of the path first, so that a device or a pipe is
-/// not even opened, and again of what was opened, in case something else stands there by then.
+/// Opens `path` if it is a regular file. This is checked first for the path, so that a device or a pipe is
+/// not even opened, and again for the open file, in case the path was replaced in between.
 fn open_regular(path: &Path, name: &str) -> Result<File, Fault> {
     let io = |error: std::io::Error| Fault::input("unreadable", format!("{name}: {}", plainly(&error)));
     refuse_irregular(&std::fs::metadata(path).map_err(io)?, name)?;
@@ -57,7 +57,7 @@ fn open_regular(path: &Path, name: &str) -> Result<File, Fault> {
     Ok(file)
 }
 
-/// Opening a pipe waits for its other end unless told not to.
+/// Opens without blocking: opening a pipe would wait for its other end.
 fn open_without_waiting(path: &Path) -> std::io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);
@@ -66,20 +66,20 @@ fn open_without_waiting(path: &Path) -> std::io::Result<File> {
     options.open(path)
 }
 
-/// What `read` makes of a file, if that is the same file afterwards: half of one version and half of another
-/// would be a shape that never was.
+/// The result of `read`, unless the file changed meanwhile: half of one version and half of another would be
+/// a shape that never existed.
 fn read_unchanged<T>(
     file: &mut File,
     name: &str,
     read: impl FnOnce(&mut File) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
     let before = metadata(file, name)?;
-    let found = read(file)?;
+    let content = read(file)?;
     let after = metadata(file, name)?;
     if before.len() != after.len() || before.modified().ok() != after.modified().ok() {
         return Err(Fault::input("changed", format!("{name}: the file changed while it was read")));
     }
-    Ok(found)
+    Ok(content)
 }
 
 fn metadata(file: &File, name: &str) -> Result<Metadata, Fault> {
@@ -101,7 +101,7 @@ fn too_large(name: &str, bytes: u64, limit: u64) -> Fault {
     )
 }
 
-/// Grows with what arrives, never with what was announced.
+/// Reads at most `limit` bytes. The buffer grows with the data, never by an announced size.
 fn read_up_to(reader: &mut dyn Read, limit: u64, name: &str) -> Result<Vec<u8>, Fault> {
     let mut bytes = Vec::new();
     let read = reader.take(limit.saturating_add(1)).read_to_end(&mut bytes);

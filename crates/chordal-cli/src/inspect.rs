@@ -35,12 +35,12 @@ pub struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
 
-    /// Find triangles that cross, overlap or touch where they should not: exactly, in seconds for millions
+    /// Find triangles that cross, overlap or touch without being neighbours: exactly, in seconds for millions
     #[arg(long)]
     pub self_intersections: bool,
 
-    /// For a shape script: mesh the last shape that the calls of each line make, by itself, within this
-    /// length (default: 0.1% of the whole), and list triangles, seconds and bound
+    /// For a shape script: mesh the last shape of each line by itself within this length (default: 0.1% of
+    /// the whole shape), and list triangles, seconds and bound
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "0.1%")]
     pub cost: Option<Length>,
@@ -55,7 +55,7 @@ pub struct InspectArgs {
     pub console: ConsoleArgs,
 }
 
-/// Reads, inspects, reports, and checks what is required.
+/// Reads, inspects, reports, and checks the requirements.
 pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
@@ -74,7 +74,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
         InputSource::File(_) => name.clone(),
     };
     let deep = args.self_intersections || args.require.iter().any(|required| required.needs_deep_check());
-    // A volume has a surface once something is said of it, or asked of it.
+    // Without any option for a surface, only the samples of a volume are inspected.
     let is_volume = matches!(input.shape, Shape::Volume(_));
     let has_surface = args.volume.named().is_some() || deep || !args.require.is_empty();
     let mut report = if is_volume && has_surface {
@@ -97,8 +97,9 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     check(&name, report.certificate.valid.as_ref(), &args.require)
 }
 
-/// Reads the first of the volumes, or the fonts, of a file that holds several, a font as its own name or, where it
-/// lacks letters of that, as some that it has. Returns it with sentences that say what else there is.
+/// Reads the first volume or font of a file that holds several. The sample text of a font is its name, or
+/// some of its letters if it lacks letters of the name. Returns the input and sentences that list the
+/// alternatives.
 fn read_first(
     args: &InputArgs,
     fault: Fault,
@@ -118,23 +119,26 @@ fn read_first(
     let limits = load::limits(&first);
     let bytes = InputSource::from_arg(&args.input).read(limits.bytes)?;
     let Ok(fonts) = fonts_in(&bytes, &limits) else { return Err(fault) };
-    let shown =
+    let font =
         first.read.index.and_then(|index| usize::try_from(index).ok()).and_then(|index| fonts.get(index));
-    let Some(name) = shown.and_then(|font| font.split(", ").next()) else { return Err(fault) };
+    let Some(name) = font.and_then(|font| font.split(", ").next()) else { return Err(fault) };
     choices.extend(fonts.iter().enumerate().map(|(i, font)| format!("font {i}: {font}")));
-    let has = letters_in(&bytes, &limits).unwrap_or_default();
+    let letters = letters_in(&bytes, &limits).unwrap_or_default();
     let texts = [
-        (name.to_owned(), "this is its name as it sets it; --text sets another text".to_owned()),
-        (has.clone(), format!("it lacks letters of its name, and this is {has}; --text sets another text")),
+        (name.to_owned(), "the text is the font's name; --text sets another text".to_owned()),
+        (
+            letters.clone(),
+            format!("the font lacks letters of its name, so the text is {letters}; --text sets another text"),
+        ),
     ];
-    for (text, says) in texts.into_iter().filter(|(text, _)| !text.is_empty()) {
+    for (text, sentence) in texts.into_iter().filter(|(text, _)| !text.is_empty()) {
         first.read.text = Some(text);
         if let Ok(input) = load::read(&first, job, console) {
-            choices.push(says);
+            choices.push(sentence);
             return Ok((input, choices));
         }
     }
-    // Then there is the list alone.
+    // No text can be set: the list of fonts is all there is to show.
     Err(Fault { lines: fault.lines.into_iter().chain(choices).collect(), ..fault })
 }
 
@@ -154,7 +158,7 @@ fn check(name: &str, valid: Option<&ValidityFacts>, required: &[Requirement]) ->
             [] => Ok(()),
             _ => Err(Fault {
                 reported: true,
-                ..failed(format!("{name}: there are no triangles to check: mesh it first"))
+                ..failed(format!("{name}: there are no triangles to check: mesh the shape first"))
             }),
         };
     };

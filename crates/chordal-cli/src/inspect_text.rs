@@ -1,5 +1,5 @@
-//! The text of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and
-//! what mends it.
+//! The text of `inspect`: the content of a file, its properties, and the findings with their places, counts
+//! and cures.
 use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
@@ -12,7 +12,7 @@ use chordal_verbs::report::{
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// What `inspect` found. `argument` is the input as the command line names it.
+/// The text of a report. `argument` is the input as given on the command line.
 pub fn inspect(report: &Report, argument: &str) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
     let input = &certificate.input;
@@ -27,7 +27,7 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     if let Some(output) = &certificate.output {
         add_output(&mut lines, output);
     }
-    // The surface of a volume, at the level that was chosen.
+    // Present for the isosurface of a volume.
     lines.add_if("bound", certificate.bound.as_ref().map(bound));
     let valid = certificate.valid.as_ref();
     let has_triangles = valid.is_some_and(ValidityFacts::has_triangles);
@@ -35,8 +35,9 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     if let Some(sizes) = sizes.filter(|_| has_triangles) {
         let (indexed, unindexed) = (size(sizes.indexed_bytes), size(sizes.unindexed_bytes));
         lines.add("geometry", format!("{indexed} indexed, {unindexed} unindexed"));
-        let (now, ordered) = (sizes.acmr, sizes.acmr_ordered);
-        lines.add("drawing", format!("{now:.2} vertices a triangle, {ordered:.2} in the best order found"));
+        let (acmr, best_acmr) = (sizes.acmr, sizes.acmr_ordered);
+        lines
+            .add("drawing", format!("{acmr:.2} vertices a triangle, {best_acmr:.2} in the best order found"));
     }
     if let Some(found) = report.inspection.as_ref().and_then(|inspection| inspection.found.as_ref()) {
         lines.add("certificate", certificate_text(found));
@@ -44,8 +45,8 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     let findings = report.inspection.as_ref().and_then(|inspection| inspection.findings.as_ref());
     if valid.is_some() && !has_triangles {
         let is_empty = matches!(&certificate.output, Some(Output::Triangles(output)) if output.vertices == 0);
-        let what = if is_empty { "none: 0 triangles, and no points" } else { "no triangles: points only" };
-        lines.add("surface", what);
+        let text = if is_empty { "none: 0 triangles, and no points" } else { "no triangles: points only" };
+        lines.add("surface", text);
     } else if let (Some(valid), Some(findings)) = (valid, findings) {
         surface(&mut lines, valid);
         add_diagnosis(&mut lines, valid, findings);
@@ -58,19 +59,19 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     lines.0
 }
 
-/// What each line of a script takes.
+/// The cost of each line of a script.
 fn add_costs(lines: &mut SummaryLines, costs: &[LineCostFacts]) {
     for cost in costs {
         let name = cost.line.map_or_else(|| "whole".to_owned(), |line| format!("line {line}"));
-        let often = if cost.times > 1 { format!(", {} times", grouped(cost.times)) } else { String::new() };
+        let times = if cost.times > 1 { format!(", {} times", grouped(cost.times)) } else { String::new() };
         let seconds = cost.seconds;
-        let what = match (&cost.triangles, &cost.bound, &cost.reason) {
-            (Some(triangles), Some(of), _) => {
-                format!("{} triangles in {seconds:.2} s{often}, {}", grouped(*triangles), bound(of))
+        let text = match (&cost.triangles, &cost.bound, &cost.reason) {
+            (Some(triangles), Some(facts), _) => {
+                format!("{} triangles in {seconds:.2} s{times}, {}", grouped(*triangles), bound(facts))
             }
-            (.., reason) => format!("no mesh{often}: {}", reason.as_deref().unwrap_or("nothing was made")),
+            (.., reason) => format!("no mesh{times}: {}", reason.as_deref().unwrap_or("no reason is known")),
         };
-        lines.add(&name, what);
+        lines.add(&name, text);
     }
 }
 
@@ -109,7 +110,7 @@ fn add_contents(lines: &mut SummaryLines, inspection: &Inspection) {
     lines.add_if("box", inspection.bounds.map(|[low, high]| format!("{} to {}", point(low), point(high))));
 }
 
-/// What a cage is.
+/// The facts of a cage.
 fn cage(lines: &mut SummaryLines, facts: &CageFacts) {
     lines.add("scheme", facts.scheme);
     lines.add("border", format!("{}, {}", facts.boundary, plural(facts.border_edges, "edge")));
@@ -142,8 +143,8 @@ fn cage(lines: &mut SummaryLines, facts: &CageFacts) {
 }
 
 fn listed(items: impl Iterator<Item = String>, none: &str) -> String {
-    let all = items.collect::<Vec<_>>().join(", ");
-    if all.is_empty() { none.to_owned() } else { all }
+    let text = items.collect::<Vec<_>>().join(", ");
+    if text.is_empty() { none.to_owned() } else { text }
 }
 
 /// `12 edges: 4 for ever, 8 from 0.5 to 3`
@@ -157,7 +158,7 @@ fn sharp(facts: &SharpnessFacts, what: &str) -> Option<String> {
     (facts.count > 0).then(|| format!("{}: {parts}", plural(facts.count, what)))
 }
 
-/// What a field is, and what can be set of it.
+/// The facts and parameters of a field.
 fn field(lines: &mut SummaryLines, facts: &FieldFacts) {
     lines.add("dimensions", facts.dimensions.to_string());
     lines.add("terms", grouped(facts.terms));
@@ -166,13 +167,13 @@ fn field(lines: &mut SummaryLines, facts: &FieldFacts) {
     facts.assumptions.iter().for_each(|sentence| lines.add("if", sentence));
     lines.add_if("region", facts.region.map(|[low, high]| format!("{} to {}", point(low), point(high))));
     for parameter in &facts.parameters {
-        let set = parameter.value.to_bits() != parameter.default.to_bits();
-        let default = if set { format!(" (default {})", parameter.default) } else { String::new() };
+        let is_set = parameter.value.to_bits() != parameter.default.to_bits();
+        let default = if is_set { format!(" (default {})", parameter.default) } else { String::new() };
         lines.add("parameter", format!("{} = {}{default}", parameter.name, parameter.value));
     }
 }
 
-/// How many kinks are told one by one; the report has more.
+/// The most kinks that are listed; the JSON report has more. Chosen: the worst ones fit on a screen.
 const KINKS: usize = 8;
 
 fn curves(lines: &mut SummaryLines, drawing: &DrawingFacts) {
@@ -182,14 +183,15 @@ fn curves(lines: &mut SummaryLines, drawing: &DrawingFacts) {
     let (closed, open) = (grouped(drawing.closed), grouped(drawing.open));
     lines.add("subpaths", format!("{}: {closed} closed, {open} open", grouped(drawing.subpaths)));
     let pieces = drawing.pieces;
-    let all = [
+    let counts = [
         (pieces.lines, "line"),
         (pieces.cubics, "cubic"),
         (pieces.arcs, "arc"),
         (pieces.rational, "rational piece"),
     ];
-    let all: Vec<_> = all.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| plural(n, what)).collect();
-    lines.add("pieces", if all.is_empty() { "none".to_owned() } else { all.join(", ") });
+    let counts: Vec<_> =
+        counts.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| plural(n, what)).collect();
+    lines.add("pieces", if counts.is_empty() { "none".to_owned() } else { counts.join(", ") });
     lines.add("length", format!("about {}", short(drawing.length_estimate, RoundingDirection::Down)));
     let joins = drawing.joins;
     if joins.g0 + joins.g1 + joins.g2 > 0 {
@@ -216,22 +218,22 @@ fn path_join_text(join: &PathJoinFacts) -> String {
     format!("{} {}{name}, piece {}: {what} at {}", join.kind, join.element, join.piece, point(join.at))
 }
 
-/// How many edges there are of each kind, and across how many fronts disagree.
-fn add_edge_counts(lines: &mut SummaryLines, all: &[(u64, &str)], opposed: u64) {
-    let counted = all.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} {what}", grouped(*n)));
+/// The number of edges of each kind, and of those whose neighbours face opposite ways.
+fn add_edge_counts(lines: &mut SummaryLines, kinds: &[(u64, &str)], opposed: u64) {
+    let counted = kinds.iter().filter(|(n, _)| *n > 0).map(|(n, kind)| format!("{} {kind}", grouped(*n)));
     lines.add("edges", listed(counted, "none"));
     lines.add_if("fronts", (opposed > 0).then(|| format!("disagree across {}", plural(opposed, "edge"))));
 }
 
-/// How patches meet.
+/// The edges between patches, and their smoothness.
 fn edges(lines: &mut SummaryLines, facts: &SurfaceEdgeFacts) {
-    let all = [
+    let kinds = [
         (facts.shared, "shared"),
         (facts.boundary, "on the boundary"),
         (facts.collapsed, "collapsed to points"),
         (facts.branching, "of three patches or more"),
     ];
-    add_edge_counts(lines, &all, facts.opposed);
+    add_edge_counts(lines, &kinds, facts.opposed);
     if facts.shared == 0 {
         return;
     }
@@ -239,16 +241,16 @@ fn edges(lines: &mut SummaryLines, facts: &SurfaceEdgeFacts) {
     add_classes(lines, (&facts.geometric, &facts.parametric), facts.worst[..shown].iter().map(edge_text));
 }
 
-/// How NURBS surfaces meet, and how smooth they are across their knots.
+/// The edges between NURBS surfaces, and the smoothness across edges and knots.
 fn surface_edges(lines: &mut SummaryLines, facts: &NurbsEdgeFacts) {
-    let all = [
+    let kinds = [
         (facts.knot_lines, "across knots"),
         (facts.shared, "shared"),
         (facts.boundary, "on the boundary"),
         (facts.collapsed, "collapsed to points"),
         (facts.branching, "along several others"),
     ];
-    add_edge_counts(lines, &all, facts.opposed);
+    add_edge_counts(lines, &kinds, facts.opposed);
     if facts.shared + facts.knot_lines == 0 {
         return;
     }
@@ -256,42 +258,44 @@ fn surface_edges(lines: &mut SummaryLines, facts: &NurbsEdgeFacts) {
     add_classes(lines, (&facts.geometric, &facts.parametric), facts.worst[..shown].iter().map(join_text));
 }
 
-/// The classes of edges, and the text of the worst.
+/// The smoothness classes of edges, and the texts of the worst edges.
 fn add_classes(
     lines: &mut SummaryLines,
-    (seen, run): (&GeometricEdgeCounts, &ParametricEdgeCounts),
+    (geometric, parametric): (&GeometricEdgeCounts, &ParametricEdgeCounts),
     worst: impl ExactSizeIterator<Item = String>,
 ) {
-    let gaps = if seen.gaps > 0 { format!("{}, ", plural(seen.gaps, "gap")) } else { String::new() };
-    let smooth = format!("{} G1, {} G2", grouped(seen.g1), grouped(seen.g2));
-    lines.add("joins", format!("{gaps}{}, {smooth}", plural(seen.g0, "kink")));
-    lines.add("", format!("{} C0, {} C1, {} C2", grouped(run.c0), grouped(run.c1), grouped(run.c2)));
+    let gaps =
+        if geometric.gaps > 0 { format!("{}, ", plural(geometric.gaps, "gap")) } else { String::new() };
+    let smooth = format!("{} G1, {} G2", grouped(geometric.g1), grouped(geometric.g2));
+    lines.add("joins", format!("{gaps}{}, {smooth}", plural(geometric.g0, "kink")));
+    let [c0, c1, c2] = [parametric.c0, parametric.c1, parametric.c2].map(grouped);
+    lines.add("", format!("{c0} C0, {c1} C1, {c2} C2"));
     let shown = worst.len() as u64;
     worst.for_each(|text| lines.add("", text));
-    let rest = seen.gaps + seen.g0 + seen.g1 - shown;
-    lines.add_if("", (rest > 0).then(|| format!("and {} more that are not G2", grouped(rest))));
+    let n_more = geometric.gaps + geometric.g0 + geometric.g1 - shown;
+    lines.add_if("", (n_more > 0).then(|| format!("and {} more that are not G2", grouped(n_more))));
 }
 
 /// `patch 3 right, 7 left: 30° at (1, 2, 0), u 1, v 0.25`
 fn edge_text(edge: &EdgeFacts) -> String {
-    let ([a, b], [of_a, of_b]) = (edge.patches, edge.sides);
+    let ([a, b], [side_a, side_b]) = (edge.patches, edge.sides);
     let what = worst_text(edge.geometric, [Some(edge.position_gap), edge.angle_deg, edge.curvature_gap]);
-    format!("patch {a} {of_a}, {b} {of_b}: {what}")
+    format!("patch {a} {side_a}, {b} {side_b}: {what}")
 }
 
 /// `surface 0 at u 0.5: 30° at …` for knots, `surface 0 at u 1, 2 at v 0: …` for a shared edge
 fn join_text(join: &NurbsJoinFacts) -> String {
     let what = worst_text(join.geometric, [Some(join.position_gap), join.angle_deg, join.curvature_gap]);
     let number = |x: f64| short(x, RoundingDirection::Nearest);
-    let ([a, b], [of_a, of_b]) = (join.surfaces, join.lines);
-    let first = format!("surface {a} at {} {}", of_a.constant, number(of_a.at));
-    if a == b && of_a == of_b {
+    let ([a, b], [line_a, line_b]) = (join.surfaces, join.lines);
+    let first = format!("surface {a} at {} {}", line_a.constant, number(line_a.at));
+    if a == b && line_a == line_b {
         return format!("{first}: {what}");
     }
-    format!("{first}, {b} at {} {}: {what}", of_b.constant, number(of_b.at))
+    format!("{first}, {b} at {} {}: {what}", line_b.constant, number(line_b.at))
 }
 
-/// What is wrong with an edge of a class, by its largest gap, angle and difference of curvatures.
+/// The defect of an edge of a class: its largest gap, angle or jump of the curvature, with the place.
 fn worst_text(class: Option<u8>, [gap, angle, bend]: [Option<EdgeMaximumFacts>; 3]) -> String {
     let number = |x: f64| short(x, RoundingDirection::Nearest);
     let (what, worst) = match (class, angle, bend) {
@@ -307,7 +311,7 @@ fn worst_text(class: Option<u8>, [gap, angle, bend]: [Option<EdgeMaximumFacts>; 
     format!("{what}{place}")
 }
 
-/// What the surface measures and what holds of it.
+/// The measures and properties of the surface.
 fn surface(lines: &mut SummaryLines, valid: &ValidityFacts) {
     let (counts, Some(anatomy)) = (&valid.counts, &valid.anatomy) else { return };
     let mut facts = vec![format!("area {}", short(anatomy.area, RoundingDirection::Nearest))];
@@ -324,7 +328,7 @@ fn surface(lines: &mut SummaryLines, valid: &ValidityFacts) {
     if !anatomy.in_place {
         lines.add("", "areas, volumes and places below in the parts' own coordinates");
     }
-    // Of collapsed triangles alone nothing holds, and nothing fails to.
+    // If all triangles are collapsed there is no surface, so no property is stated or denied.
     if counts.components > 0 {
         let (is, is_not) = properties(valid, anatomy);
         lines.add_if("is", (!is.is_empty()).then(|| is.join(", ")));
@@ -335,29 +339,29 @@ fn surface(lines: &mut SummaryLines, valid: &ValidityFacts) {
     }
 }
 
-/// What holds and what does not; of what is not known, nothing.
+/// The properties that hold, and those that do not; unknown ones are in neither list.
 fn properties(valid: &ValidityFacts, anatomy: &SurfaceFacts) -> (Vec<&'static str>, Vec<&'static str>) {
     let counts = &valid.counts;
     let sides = if counts.oriented || counts.orientable { "oriented" } else { "orientable" };
-    let all = [
+    let list = [
         ("closed", Some(counts.closed)),
         ("manifold", Some(counts.manifold)),
         (sides, Some(counts.oriented)),
         ("outward", anatomy.outward),
         ("free of self-intersections", anatomy.self_intersections.map(|count| count == 0)),
     ];
-    let those =
-        |wanted: bool| all.iter().filter(|(_, is)| *is == Some(wanted)).map(|(what, _)| *what).collect();
-    (those(true), those(false))
+    let names =
+        |wanted: bool| list.iter().filter(|(_, is)| *is == Some(wanted)).map(|(name, _)| *name).collect();
+    (names(true), names(false))
 }
 
-/// How many components are shown one by one; the report has more.
+/// The most components that are listed; the JSON report has more. Chosen: the largest ones fit on a screen.
 const ROWS: usize = 6;
 
-fn components(lines: &mut SummaryLines, all: u64, listed: &[ComponentFacts]) {
+fn components(lines: &mut SummaryLines, count: u64, listed: &[ComponentFacts]) {
     let shown = &listed[..listed.len().min(ROWS)];
-    let most = if all > shown.len() as u64 { ", the largest are" } else { "" };
-    lines.add("components", format!("{}{most}", grouped(all)));
+    let largest = if count > shown.len() as u64 { ", the largest are" } else { "" };
+    lines.add("components", format!("{}{largest}", grouped(count)));
     let several_parts = listed.iter().any(|component| component.part != listed[0].part);
     let mut table =
         vec![["triangles", "first face", "closed", "front", "genus", "area", "volume"].map(str::to_owned)];
@@ -388,7 +392,7 @@ fn components(lines: &mut SummaryLines, all: u64, listed: &[ComponentFacts]) {
     }
 }
 
-/// How many findings there are, in one line.
+/// The number of findings, in one line.
 fn add_diagnosis(lines: &mut SummaryLines, valid: &ValidityFacts, findings: &[FindingFacts]) {
     let weighing = |weight: &str| findings.iter().filter(|finding| finding.weight == weight).count() as u64;
     let (faults, remarks) = (weighing("fault"), weighing("remark"));
@@ -408,14 +412,15 @@ fn add_diagnosis(lines: &mut SummaryLines, valid: &ValidityFacts, findings: &[Fi
     }
 }
 
-/// How many places are named; the report has more.
+/// The most places of a finding that are listed; the JSON report has more. Chosen: two show whether a fault
+/// is local.
 const PLACES: usize = 2;
 
 fn add_finding(lines: &mut SummaryLines, finding: &FindingFacts, valid: &ValidityFacts) {
     let FindingFacts { count, words, means, cures, advice, .. } = finding;
-    let more = finding_detail(finding.of, valid);
+    let detail = finding_detail(finding.of, valid);
     // Writing to a text does not fail.
-    let _ = writeln!(lines.0, "\n  {} {words}{more}: {means}", grouped(*count));
+    let _ = writeln!(lines.0, "\n  {} {words}{detail}: {means}", grouped(*count));
     let places: Vec<String> = witness_texts(finding.of, valid).take(PLACES).collect();
     let mut line = |name: &str, text: &str| {
         let _ = writeln!(lines.0, "    {name:<9} {text}");
@@ -423,9 +428,9 @@ fn add_finding(lines: &mut SummaryLines, finding: &FindingFacts, valid: &Validit
     for (i, place) in places.iter().enumerate() {
         line(if i == 0 { "where" } else { "" }, place);
     }
-    let rest = count.saturating_sub(places.len() as u64);
-    if rest > 0 && !places.is_empty() {
-        line("", &format!("and {} more", grouped(rest)));
+    let n_more = count.saturating_sub(places.len() as u64);
+    if n_more > 0 && !places.is_empty() {
+        line("", &format!("and {} more", grouped(n_more)));
     }
     if let Some(advice) = advice {
         line("advice", advice);
@@ -434,7 +439,7 @@ fn add_finding(lines: &mut SummaryLines, finding: &FindingFacts, valid: &Validit
     }
 }
 
-/// What else is known of a finding.
+/// A further count of a finding.
 fn finding_detail(of: &str, valid: &ValidityFacts) -> String {
     let counts = &valid.counts;
     match of {
@@ -451,7 +456,7 @@ fn finding_detail(of: &str, valid: &ValidityFacts) -> String {
     }
 }
 
-/// The places of a finding that are known.
+/// The known places of a finding.
 pub(crate) fn witness_texts<'a>(of: &'a str, valid: &'a ValidityFacts) -> impl Iterator<Item = String> + 'a {
     let several_parts = valid.parts.len() > 1;
     let named = valid.witnesses.iter().flatten().filter(move |witness| witness.of == of);
@@ -468,27 +473,27 @@ pub(crate) fn witness_texts<'a>(of: &'a str, valid: &'a ValidityFacts) -> impl I
     })
 }
 
-/// `edge 3-7 of triangles 12, 14`; numbers count from 0.
+/// `edge 3-7 of triangles 12, 14`; indices start at 0.
 fn witness_text(witness: &WitnessFacts) -> String {
     let list = |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
     let triangles =
         |faces: &[u32]| format!("triangle{} {}", if faces.len() == 1 { "" } else { "s" }, list(faces));
     match (&witness.vertices[..], &witness.faces[..]) {
         ([vertex], []) => format!("vertex {vertex}"),
-        ([vertex, of], []) => format!("vertex {vertex}, equal to {of},"),
+        ([vertex, other], []) => format!("vertex {vertex}, equal to {other},"),
         ([a, b], faces) => format!("edge {a}-{b} of {}", triangles(faces)),
         ([vertex, a, b], faces) => format!("vertex {vertex} on edge {a}-{b} of {}", triangles(faces)),
         (_, faces) => triangles(faces),
     }
 }
 
-/// A name as a shell takes it.
+/// A name quoted for a shell.
 pub(crate) fn quoted(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:@,=".contains(c);
     if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', r"'\''")) }
 }
 
-/// All cures in one command.
+/// The command that applies all cures.
 fn add_repair_command(lines: &mut SummaryLines, name: &str, findings: &[FindingFacts]) {
     let cures = cures_of_all(findings);
     if !cures.is_empty() {
@@ -502,21 +507,21 @@ fn add_repair_command(lines: &mut SummaryLines, name: &str, findings: &[FindingF
     }
 }
 
-fn certificate_text(found: &EmbeddedCertificate) -> String {
-    let number = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_f64);
-    let text = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_str);
+fn certificate_text(embedded: &EmbeddedCertificate) -> String {
+    let number = |pointer: &str| embedded.certificate.pointer(pointer).and_then(serde_json::Value::as_f64);
+    let text = |pointer: &str| embedded.certificate.pointer(pointer).and_then(serde_json::Value::as_str);
     let bound = match (number("/bound/at_least"), number("/bound/at_most"), text("/bound/evidence")) {
         (Some(least), Some(most), Some(evidence)) => {
             let one_way = one_way_note(text("/bound/metric").unwrap_or_default());
             let (least, most) = (short(least, RoundingDirection::Down), short(most, RoundingDirection::Up));
             format!("between {least} and {most} ({evidence}{one_way})")
         }
-        _ => "says no bound".to_owned(),
+        _ => "no bound".to_owned(),
     };
-    if found.differs.is_empty() {
+    if embedded.differs.is_empty() {
         bound
     } else {
-        format!("{bound}, but of another shape: {}", found.differs.join(", "))
+        format!("{bound}, but for another shape: {}", embedded.differs.join(", "))
     }
 }
 

@@ -7,10 +7,10 @@ use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// The name of this version of the document, which `docs/schema/language.schema.json` describes.
+/// The version of the document, described by `docs/schema/language.schema.json`.
 const SCHEMA: &str = "chordal.language/1";
 
-/// The group of what Starlark itself gives, beside those of the language's table.
+/// The group of Starlark's own functions, after the groups of the language's table.
 const REST: &str = "The rest";
 
 /// `chordal language`
@@ -40,13 +40,13 @@ struct FunctionRow {
     name: &'static str,
     group: &'static str,
     usage: String,
-    /// How far the value can be trusted as a distance; nothing where the result is no shape.
+    /// How far the value can be trusted as a distance; `None` if the result is no shape.
     worth: Option<&'static str>,
     doc: &'static str,
     parameters: Vec<ParameterRow>,
 }
 
-/// One parameter, with its default as a script would say it.
+/// One parameter, with its default as a script would write it.
 #[derive(Serialize)]
 struct ParameterRow {
     name: &'static str,
@@ -56,7 +56,7 @@ struct ParameterRow {
 
 impl LanguageDocument {
     fn new() -> Self {
-        let of_table = groups().into_iter().flat_map(|(group, functions)| {
+        let table_rows = groups().into_iter().flat_map(|(group, functions)| {
             functions.iter().map(move |function| FunctionRow {
                 name: function.name,
                 group,
@@ -66,7 +66,7 @@ impl LanguageDocument {
                 parameters: rows(function.parameters),
             })
         });
-        let of_starlark = BUILT_INS.iter().map(|built_in| FunctionRow {
+        let starlark_rows = BUILT_INS.iter().map(|built_in| FunctionRow {
             name: built_in.name,
             group: REST,
             usage: built_in.usage(),
@@ -74,7 +74,7 @@ impl LanguageDocument {
             doc: built_in.about,
             parameters: rows(built_in.parameters),
         });
-        let functions = of_table.chain(of_starlark).collect();
+        let functions = table_rows.chain(starlark_rows).collect();
         Self { schema: SCHEMA, functions, constants: CONSTANTS, keywords: KEYWORDS }
     }
 
@@ -86,12 +86,12 @@ impl LanguageDocument {
             if group != function.group {
                 let gap = if group.is_empty() { "" } else { "\n" };
                 group = function.group;
-                // Writing to a text does not fail.
+                // Writing to a string does not fail.
                 let _ = writeln!(text, "{gap}{group}");
             }
             let _ = writeln!(text, "  {}\n      {}", function.usage, function.doc);
             if let Some(worth) = function.worth {
-                let _ = writeln!(text, "      As a distance: {worth}.");
+                let _ = writeln!(text, "      The value is: {worth}.");
             }
         }
         let _ = writeln!(text, "\nConstants\n  {}", self.constants.join(" "));
@@ -113,7 +113,7 @@ fn rows(parameters: &[FunctionParameter]) -> Vec<ParameterRow> {
     parameters.iter().map(row).collect()
 }
 
-/// Prints them.
+/// Prints the functions.
 pub fn run(args: &LanguageArgs) -> Result<(), Fault> {
     let document = LanguageDocument::new();
     if args.json {

@@ -1,7 +1,6 @@
 //! The `chordal` command: translates arguments into verbs. It holds no geometry.
 //!
-//! It is a library so that the program of this crate and the one that comes with the Python package are the
-//! same.
+//! It is a library so that the program of this crate and that of the Python package are the same.
 mod args;
 mod bake;
 #[cfg(not(target_family = "wasm"))]
@@ -72,21 +71,21 @@ use std::ffi::OsString;
 use std::io::Write;
 pub use stdout_at_start::look_at_stdout;
 
-/// Runs the command with these arguments, of which the first is the program's own name, and returns the exit
+/// Runs the command with these arguments, of which the first is the program's name, and returns the exit
 /// code.
 ///
-/// It belongs to a process of its own: it writes to stdout and stderr, and from the first verb on SIGINT and
-/// SIGTERM end the process with 130.
+/// It takes over the process: it writes to stdout and stderr, and once a verb has started, SIGINT and SIGTERM
+/// end the process with 130.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     run_started_by(args, &Program::own())
 }
 
-/// The same, where other words than the path of this program start the command again, as `batch` does.
+/// As [`run`], with the words that start the command again, which `batch` does for each file.
 #[cfg_attr(target_family = "wasm", expect(unused_variables, reason = "there is no batch"))]
 pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Program) -> u8 {
-    // First of all: a file that is opened before could take the number of a closed stdout.
+    // First, since a file that is opened earlier could get the descriptor of a closed stdout.
     look_at_stdout();
-    // Before parsing, which allocates too.
+    // Before parsing, since parsing allocates and may abort.
     signal::end_aborts_with_a_code();
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
@@ -96,7 +95,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Progra
     if json {
         console::report_aborts();
     }
-    let done = match cli.verb {
+    let result = match cli.verb {
         Verb::Mesh(args) if args.watch => watch::run(&args),
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Lod(args) => lod::run(&args),
@@ -115,7 +114,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Progra
         Verb::Completions { shell } => docs::completions(shell),
         Verb::Man { output } => docs::man(&output),
     };
-    match done {
+    match result {
         Ok(()) => 0,
         Err(fault) => console::fail(&fault, json),
     }
@@ -141,10 +140,10 @@ fn wants_json(verb: &Verb) -> bool {
     }
 }
 
-/// Help goes to stdout with 0; anything else is one sentence and 2.
+/// Prints help to stdout and returns 0; for an error prints one sentence and returns 2.
 fn refuse_arguments(error: &clap::Error) -> u8 {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        // A reader that has seen enough of the help closes the pipe, which is no failure.
+        // A pager may close the pipe early, which is no failure.
         let _ = error.print();
         return 0;
     }
@@ -157,8 +156,8 @@ fn refuse_arguments(error: &clap::Error) -> u8 {
 }
 
 fn sentence_of(error: &clap::Error) -> String {
-    let shown = error.to_string();
-    let sentence: Vec<&str> = shown
+    let message = error.to_string();
+    let sentence: Vec<&str> = message
         .trim_start_matches("error: ")
         .lines()
         .take_while(|line| !line.trim().is_empty())
@@ -167,18 +166,18 @@ fn sentence_of(error: &clap::Error) -> String {
     sentence.join(" ") + " (see --help)"
 }
 
-/// Refuses words that are no command line.
+/// Refuses words that are not a valid command line of a batch.
 #[cfg(not(target_family = "wasm"))]
 fn check_words(words: Vec<OsString>) -> Result<(), Fault> {
     let cli = Cli::try_parse_from(words).map_err(|error| match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            Fault::usage("--help and --version are no options for a batch: ask the verb for them")
+            Fault::usage("--help and --version cannot be options of a batch: run the verb with them")
         }
         _ => Fault::usage(sentence_of(&error)),
     })?;
     match cli.verb {
         Verb::Mesh(args) if args.watch => {
-            Err(Fault::usage("--watch never ends, and is no option for a batch"))
+            Err(Fault::usage("--watch never ends, so it cannot be an option of a batch"))
         }
         _ => Ok(()),
     }

@@ -1,5 +1,5 @@
-//! `line_costs`: what the shape of each line of a script takes to be meshed by itself, so that its author sees which one
-//! costs.
+//! `line_costs`: the cost of meshing the shape of each line of a script by itself, which shows its author the
+//! expensive lines.
 use crate::deadline::Deadline;
 use crate::fault::Fault;
 use crate::spelling::CommandLine;
@@ -11,52 +11,55 @@ use chordal_verbs::report::{BoundFacts, LineCostFacts};
 use chordal_verbs::{BudgetSpec, ImplicitShape, Input, MeshFailure, MeshOutcome, Shape, mesh};
 use std::time::{Duration, Instant};
 
-/// How long a line may take; then the best so far counts. Chosen: what takes longer is what one looks for.
+/// The time limit of a line; after it the best result so far counts. Chosen: a line that takes longer is
+/// already known to be expensive.
 const MOST: Duration = Duration::from_secs(20);
 
-/// The costs of all lines, in their order, and of the whole, each within a length; percents are of the whole.
+/// The costs of all lines in order and of the whole shape, each meshed within a length; percentages are of
+/// the whole shape's diagonal.
 pub fn line_costs(input: &Input, within: Length, job: &Job) -> Result<Vec<LineCostFacts>, Fault> {
     let Shape::Field(whole) = &input.shape else {
-        return Err(Fault::usage("--cost is for shape scripts: this input has no lines that make shapes"));
+        return Err(Fault::usage("--cost is for shape scripts, and this input is none"));
     };
     let diagonal = whole.bounds().diagonal();
     if matches!(within, Length::Percent(_)) && !diagonal.is_finite() {
-        let line = "the shape has no end in some direction, so that no length is a share of it: say one, as in --cost=0.1";
-        return Err(Fault::usage(line));
+        let message = "the shape is unbounded in some direction, so a percentage of it is no length: give a length, as in \
+            --cost=0.1";
+        return Err(Fault::usage(message));
     }
     let length = within
         .resolve(diagonal, whole.frame.metres_per_unit)
         .map_err(|error| Fault::usage(error.spelled(&CommandLine).to_string()))?;
     let cost = |line: Option<u64>, times: usize, shape: ImplicitShape| {
-        let mut own = Job::default().with_threads(job.threads);
-        own.memory_limit = job.memory_limit;
+        let mut line_job = Job::default().with_threads(job.threads);
+        line_job.memory_limit = job.memory_limit;
         let spec = BudgetSpec { length: Some(Length::Plain(length.get())), ..BudgetSpec::default() };
         let part = Input { shape: Shape::Field(shape), ..input.clone() };
-        let (began, deadline) = (Instant::now(), Deadline::start(&own, MOST, None));
-        let made = mesh(part, &spec, Format::Ply, &own).spelled(&CommandLine);
+        let (start, deadline) = (Instant::now(), Deadline::start(&line_job, MOST, None));
+        let result = mesh(part, &spec, Format::Ply, &line_job).spelled(&CommandLine);
         drop(deadline);
-        let seconds = began.elapsed().as_secs_f64();
-        let facts = |made: Option<&MeshOutcome>, reason: Option<String>| LineCostFacts {
+        let seconds = start.elapsed().as_secs_f64();
+        let facts = |outcome: Option<&MeshOutcome>, reason: Option<String>| LineCostFacts {
             line,
             times: times as u64,
-            triangles: made
+            triangles: outcome
                 .and_then(MeshOutcome::scene)
                 .map(|scene| scene.parts.iter().map(|part| part.mesh.faces().len() as u64).sum()),
             seconds,
-            bound: made.map(|made| BoundFacts::new(&made.bound)),
+            bound: outcome.map(|outcome| BoundFacts::new(&outcome.bound)),
             reason,
         };
-        match &made {
-            Ok(made) => facts(Some(made), None),
+        match &result {
+            Ok(outcome) => facts(Some(outcome), None),
             Err(MeshFailure::Unmet(best)) => facts(Some(best), None),
             Err(failure) => facts(None, Some(failure.to_string())),
         }
     };
-    let mut all = Vec::new();
-    for one in whole.shapes_by_line() {
-        let shape = ImplicitShape::new(one.field, whole.region, whole.frame);
-        all.push(cost(Some(one.line), one.times, shape));
+    let mut costs = Vec::new();
+    for line in whole.shapes_by_line() {
+        let shape = ImplicitShape::new(line.field, whole.region, whole.frame);
+        costs.push(cost(Some(line.line), line.times, shape));
     }
-    all.push(cost(None, 1, whole.clone()));
-    Ok(all)
+    costs.push(cost(None, 1, whole.clone()));
+    Ok(costs)
 }

@@ -16,33 +16,33 @@ use chordal_io::{Format, Limits, PolygonSurface};
 use chordal_verbs::{FormatHint, Input, Shape, load_within, sha256};
 use std::path::{Path, PathBuf};
 
-/// Reads what `args` name on the threads of a job, tells its warnings, and adds what the user knows of its space.
+/// Reads the input that `args` name, prints its warnings, and applies `--unit` and `--up`.
 pub fn read(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fault> {
     RawInput::read(args, job)?.load(args, console)
 }
 
-/// Refuses an output that is one of the files that an input named.
+/// Refuses an output that is one of the files that an input references.
 ///
 /// # Errors
-/// Then.
+/// If it is one of these files.
 pub fn refuse_files(output: &Path, args: &InputArgs, input: &Input) -> Result<(), Fault> {
     let is_read = files_beside(args, input).any(|file| is_same_file(&file, output));
     if !is_read {
         return Ok(());
     }
-    let message = format!("{}: the output is a file that the input names", output.display());
+    let message = format!("{}: the output is a file that the input references", output.display());
     Err(Fault::output("output-is-input", message))
 }
 
-/// Where the files stand that an input named, or may stand: beside it, or below a folder that is allowed.
+/// The possible paths of the files that an input references: beside it, or below an allowed folder.
 pub fn files_beside(args: &InputArgs, input: &Input) -> impl Iterator<Item = PathBuf> {
     let folders =
         move || std::iter::once(parent(&args.input)).chain(args.allow.iter().map(|folder| &**folder));
     input.files.iter().flat_map(move |file| folders().map(|folder| folder.join(&file.path)))
 }
 
-/// Reads what `args` name for a format that may hold polygons: those that were cut into triangles are read
-/// again as polygons, and `prefers` says of the polygons and the triangles whether these are kept.
+/// Reads an input for a format that may hold polygons. If polygons were cut into triangles, the input is read
+/// again as a cage; `prefers(polygons, triangles)` says whether the polygons are used.
 pub fn read_polygons(
     args: &InputArgs,
     job: &Job,
@@ -55,52 +55,52 @@ pub fn read_polygons(
     if was_cut && args.read.surface.is_none() {
         let mut args = args.clone();
         args.read.surface = Some(PolygonSurface::CatmullClark);
-        // What is no cage stays triangles.
+        // An input that is no valid cage stays triangles.
         if let Some(polygons) = raw.parse(&args).ok().filter(|polygons| prefers(polygons, &input)) {
-            return Ok(raw.tell(polygons, console));
+            return Ok(raw.print_warnings(polygons, console));
         }
     }
-    Ok(raw.tell(input, console))
+    Ok(raw.print_warnings(input, console))
 }
 
-/// Reads another shape with the arguments of the first: what is said of fields or polygons holds if it is
-/// such.
+/// Reads another shape with the arguments of the first. Options for fields, fonts or polygons apply only if
+/// it is one.
 pub fn read_other(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fault> {
-    let bytes = RawInput::read(args, job)?;
-    let format = bytes.format(args);
-    bytes.load(&applicable_args(args, format), console)
+    let raw = RawInput::read(args, job)?;
+    let format = raw.format(args);
+    raw.load(&applicable_args(args, format), console)
 }
 
-/// As [`read_other`]; what is said of polygons holds only where `is_cage` says so of the digest of the bytes.
+/// As [`read_other`], but `--surface` applies only if `is_cage` accepts the digest of the bytes.
 pub fn read_of_digest(
     args: &InputArgs,
     is_cage: impl Fn(&str) -> bool,
     job: &Job,
     console: &Console,
 ) -> Result<Input, Fault> {
-    let bytes = RawInput::read(args, job)?;
-    let mut own = applicable_args(args, bytes.format(args));
-    if own.read.surface.is_some() && !is_cage(&sha256(&bytes.bytes)) {
-        own.read.surface = None;
+    let raw = RawInput::read(args, job)?;
+    let mut applicable = applicable_args(args, raw.format(args));
+    if applicable.read.surface.is_some() && !is_cage(&sha256(&raw.bytes)) {
+        applicable.read.surface = None;
     }
-    bytes.load(&own, console)
+    raw.load(&applicable, console)
 }
 
-/// Reads the two shapes of a verb that compares. What is said of fields or polygons holds for those of the
-/// two that are such, and everything else for both.
+/// Reads the two shapes of a verb that compares. Options for fields, fonts or polygons apply only to inputs
+/// of that kind; all others apply to both.
 ///
 /// # Errors
-/// When neither of them is what something is said of.
+/// If an option applies to neither input.
 pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<[Input; 2], Fault> {
     let [first, second] = args;
-    let bytes = [RawInput::read(first, job)?, RawInput::read(second, job)?];
-    let formats = [bytes[0].format(first), bytes[1].format(second)];
+    let inputs = [RawInput::read(first, job)?, RawInput::read(second, job)?];
+    let formats = [inputs[0].format(first), inputs[1].format(second)];
     let has_script = formats.contains(&Some(Format::Star));
     if first.read.text.is_some() && !formats.contains(&Some(Format::Ttf)) && !formats.contains(&None) {
         return Err(Fault::usage("--text is for fonts, and neither of the two is one"));
     }
     let has_field = has_script || formats.contains(&Some(Format::Vm));
-    // A text that nobody knows is refused for that.
+    // An input of unknown format passes here; loading refuses it with a better message.
     if !first.read.set.is_empty() && !has_script && !formats.contains(&None) {
         return Err(Fault::usage("--set is for shape scripts, and neither of the two is one"));
     }
@@ -110,14 +110,14 @@ pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<
     if first.read.surface.is_some() && !formats.contains(&Some(Format::Obj)) && !formats.contains(&None) {
         return Err(Fault::usage("--surface is for polygons (.obj), and neither of the two has any"));
     }
-    let [a, b] = bytes;
+    let [a, b] = inputs;
     Ok([
         a.load(&applicable_args(first, formats[0]), console)?,
         b.load(&applicable_args(second, formats[1]), console)?,
     ])
 }
 
-/// Without what is for fields or for polygons, where this has none.
+/// The arguments without options for other kinds of inputs than `format`.
 fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
     let mut args = args.clone();
     let read = &mut *args.read;
@@ -133,7 +133,7 @@ fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
     args
 }
 
-/// An input before anybody knows what it is.
+/// The bytes of an input before its format is known.
 struct RawInput {
     source: InputSource,
     name: String,
@@ -152,12 +152,12 @@ impl RawInput {
         {
             *path = list;
         }
-        let list = match &source {
+        let slices = match &source {
             InputSource::File(path) => list_slices(path),
             InputSource::Stdin => None,
         };
-        let folder = list.is_some();
-        let bytes = list.map_or_else(|| source.read(limits(args).bytes), Ok)?;
+        let folder = slices.is_some();
+        let bytes = slices.map_or_else(|| source.read(limits(args).bytes), Ok)?;
         Ok(Self { name: source.name(), source, bytes, is_folder: folder, job: job.clone() })
     }
 
@@ -172,15 +172,16 @@ impl RawInput {
     }
 
     fn load(&self, args: &InputArgs, console: &Console) -> Result<Input, Fault> {
-        self.parse(args).map(|input| self.tell(input, console))
+        self.parse(args).map(|input| self.print_warnings(input, console))
     }
 
-    /// Tells the warnings.
-    fn tell(&self, input: Input, console: &Console) -> Input {
-        // What a script says is no warning.
-        let (said, warnings): (Vec<_>, Vec<_>) = input.warnings.iter().partition(|w| w.code == "script-said");
+    /// Prints the warnings.
+    fn print_warnings(&self, input: Input, console: &Console) -> Input {
+        // What a script prints is no warning.
+        let (printed, warnings): (Vec<_>, Vec<_>) =
+            input.warnings.iter().partition(|w| w.code == "script-said");
         console.warn(&self.name, &warnings);
-        said.iter().for_each(|line| console.say(&format!("{}: {}", self.name, line.message)));
+        printed.iter().for_each(|line| console.say(&format!("{}: {}", self.name, line.message)));
         input
     }
 
@@ -189,7 +190,7 @@ impl RawInput {
         let letters = args.read.letters();
         let limits = Limits { threads: self.job.threads, ..limits(args) };
         let mut open = |path: &str| match &self.source {
-            // Files in a folder are beside its list.
+            // `read_beside` takes a file in the folder; the list itself is no file.
             InputSource::File(folder) if self.is_folder => {
                 read_beside(&folder.join("list"), path, limits.bytes)
             }
@@ -213,7 +214,7 @@ impl RawInput {
 }
 
 impl RawInput {
-    /// Refuses triangles that cannot be worked on within the limit of memory, before the work.
+    /// Refuses triangles that are too many for the memory limit, before the work.
     fn check_memory(&self, input: &Input, args: &InputArgs) -> Result<(), Fault> {
         let (Shape::Scene(scene), Some(limit)) = (&input.shape, args.memory_limit()) else { return Ok(()) };
         let least = memory::least_for(scene, self.bytes.len() as u64);
@@ -222,7 +223,7 @@ impl RawInput {
         }
         let n_triangles = input.shape.n_triangles().unwrap_or(0);
         let message = format!(
-            "{}: {n_triangles} triangles and what is needed to work on them take {least} bytes of memory at least; the \
+            "{}: {n_triangles} triangles need at least {least} bytes of memory to be processed; the \
              limit is {limit} (--max-memory)",
             self.name
         );

@@ -57,7 +57,7 @@ pub struct LodArgs {
     pub console: ConsoleArgs,
 }
 
-/// Reads, makes levels, writes, reports.
+/// Reads, builds levels, writes, reports.
 pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
@@ -76,7 +76,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let mut input = load::read(&args.input, &job, &console)?;
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
-    // A folder is made when there is an input.
+    // The folder is created only after the input was read.
     let output = output.open(args, &input)?;
     let name = source.name();
     let outcome = lod(input, &spec, &job)
@@ -98,10 +98,10 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
-/// The file of a tileset that names all others.
+/// The file of a tileset that lists all others.
 const LIST: &str = "tileset.json";
 
-/// What levels are written as.
+/// The form in which levels are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LodForm {
     /// A folder of tiles.
@@ -111,7 +111,7 @@ enum LodForm {
 }
 
 impl LodForm {
-    /// What the name of the output says.
+    /// The form for the name of an output.
     fn of(output: &Path) -> Result<Self, Fault> {
         let name = output.display().to_string();
         let is_folder = name.ends_with(std::path::is_separator) || output.is_dir();
@@ -130,7 +130,7 @@ impl LodForm {
     }
 }
 
-/// Where levels go, before there is an input.
+/// The output, checked before the input is read.
 enum LodOutput {
     Tiles(FolderPlace),
     OneFile(OutputTarget, Format),
@@ -159,7 +159,7 @@ impl LodOutput {
         }
     }
 
-    /// Makes ready for the work on an input.
+    /// Prepares the output for an input.
     fn open(self, args: &LodArgs, input: &Input) -> Result<OpenOutput, Fault> {
         let place = match self {
             Self::OneFile(target, format) => return Ok(OpenOutput::OneFile(target, format)),
@@ -173,9 +173,9 @@ impl LodOutput {
     }
 }
 
-/// Where levels go, ready to be written.
+/// The output, ready to be written.
 enum OpenOutput {
-    /// A folder, and the name of its list.
+    /// A folder, and the path of its list.
     Tiles(OutputFolder, String),
     OneFile(OutputTarget, Format),
 }
@@ -189,7 +189,7 @@ impl OpenOutput {
         }
     }
 
-    /// Writes all levels of an input of that name, and returns the number of bytes.
+    /// Writes all levels and returns the number of bytes. `input` is the name for messages.
     fn write(self, args: &LodArgs, outcome: &LodOutcome, input: &str) -> Result<u64, Fault> {
         match self {
             Self::Tiles(folder, _) => {
@@ -200,17 +200,17 @@ impl OpenOutput {
                 folder.write(&files, LIST)
             }
             Self::OneFile(target, format) => {
-                let one = &mut |out: &mut dyn Write| outcome.write(format, out);
+                let write_single = &mut |out: &mut dyn Write| outcome.write(format, out);
                 let console = &Console::new(&args.console);
                 let place =
                     SetPlace { target: &target, input: &args.input.input, console, names_files: false };
-                args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))
+                args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))
             }
         }
     }
 }
 
-/// Refuses a folder that a file of the input stands in.
+/// Refuses a folder that contains a file of the input.
 fn refuse_inside(place: &FolderPlace, file: &Path, output: &Path) -> Result<(), Fault> {
     if !place.holds(file) {
         return Ok(());
@@ -224,7 +224,7 @@ fn refuse_inside(place: &FolderPlace, file: &Path, output: &Path) -> Result<(), 
     ))
 }
 
-/// Whether a name is one that files of a tileset get: the list, tiles, pictures.
+/// Whether a name is that of a file of a tileset: the list, tiles, pictures.
 fn is_tileset_file(name: &str) -> bool {
     let is_numbered = |start: &str, end: &str| {
         let number = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(end)?.strip_suffix('.'));
@@ -244,20 +244,20 @@ fn summary_text(report: &Report) -> String {
     lines.finish_run(&report.run)
 }
 
-/// A level with more than this share of the triangles of the one above it is not listed. Chosen: a tree of
-/// regions has dozens of them.
+/// A level with more than this share of the triangles of the listed level above it is left out. Chosen: a
+/// tile tree has dozens of such levels.
 const WORTH_A_LINE: f64 = 0.8;
 
-/// Which levels are listed: those that differ, and the last.
+/// For each level whether it is listed: those that differ enough, and the last.
 fn levels_to_list(facts: &LevelsFacts) -> Vec<bool> {
-    let mut last = f64::INFINITY;
+    let mut n_last = f64::INFINITY;
     let n = facts.levels.len();
-    let of = |(k, level): (usize, &LevelFacts)| {
-        let is_listed = k + 1 == n || level.triangles as f64 <= WORTH_A_LINE * last;
-        last = if is_listed { level.triangles as f64 } else { last };
+    let is_listed_level = |(k, level): (usize, &LevelFacts)| {
+        let is_listed = k + 1 == n || level.triangles as f64 <= WORTH_A_LINE * n_last;
+        n_last = if is_listed { level.triangles as f64 } else { n_last };
         is_listed
     };
-    facts.levels.iter().enumerate().map(of).collect()
+    facts.levels.iter().enumerate().map(is_listed_level).collect()
 }
 
 fn levels(lines: &mut SummaryLines, facts: &LevelsFacts) {
@@ -283,14 +283,14 @@ fn levels(lines: &mut SummaryLines, facts: &LevelsFacts) {
         "more",
         (left_out > 0).then(|| {
             format!(
-                "{left_out} levels between these, each with little less than the one above; --json lists all"
+                "{left_out} levels between these, each with few triangles less than the one above; --json lists all"
             )
         }),
     );
-    let is_of_one_left_out = |distance: f64| {
+    let is_of_unlisted_level = |distance: f64| {
         facts.levels.iter().zip(&listed).any(|(level, listed)| !listed && level.distance == Some(distance))
     };
-    for shown in facts.shown.iter().filter(|shown| !is_of_one_left_out(shown.distance)) {
+    for shown in facts.shown.iter().filter(|shown| !is_of_unlisted_level(shown.distance)) {
         let pixels = shown
             .pixels
             .map_or("no bound".to_owned(), |px| format!("{} px", short(px, RoundingDirection::Up)));

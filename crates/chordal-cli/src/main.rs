@@ -1,7 +1,7 @@
 //! The `chordal` program.
 use std::process::ExitCode;
 
-/// Before the runtime opens something in the place of a stdout that is closed.
+/// Runs before `main`: Rust's runtime opens `/dev/null` in place of a closed stdout.
 #[cfg(unix)]
 #[ctor::ctor]
 fn look_at_stdout() {

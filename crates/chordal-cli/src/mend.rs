@@ -32,7 +32,7 @@ use std::io;
     "drop_unused",
 ]))]
 #[command(after_help = "\
-Cures are applied in the order of this list, whatever the order on the command line. Nothing else is changed.
+Repairs are applied in the order of this list, whatever the order on the command line. Nothing else is changed.
 
 Examples:
   chordal mend scan.stl -o print.3mf --all --unit mm
@@ -44,8 +44,8 @@ pub struct MendArgs {
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
 
-    /// All repairs of this list, exactly and with all holes unless other options say more: what a 3D print
-    /// needs
+    /// All repairs of this list, exactly and for all holes unless other options say otherwise: what a 3D
+    /// print needs
     #[arg(long)]
     pub all: bool,
 
@@ -69,12 +69,12 @@ pub struct MendArgs {
     #[arg(long)]
     pub split_nonmanifold: bool,
 
-    /// Wind faces alike and closed pieces outwards; pieces within others turn with them, unless --nested says
-    /// otherwise
+    /// Wind faces consistently and closed pieces outwards; pieces inside others turn with them, unless
+    /// --nested is given
     #[arg(long)]
     pub orient: bool,
 
-    /// A closed piece within another that faces the same way: keep it solid, as its winding says, or turn it
+    /// For a closed piece inside another that faces the same way: keep it solid, as it is wound, or turn it
     /// into a cavity
     #[arg(long, value_name = "WHICH", default_value = "keep", requires = "orients")]
     pub nested: NestedArg,
@@ -103,16 +103,16 @@ pub struct MendArgs {
 /// Which repeated faces are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DuplicatesArg {
-    /// Whatever their winding
+    /// With any winding
     Any,
     /// Only with the same winding
     Alike,
 }
 
-/// Which way closed pieces within others face.
+/// The orientation of closed pieces inside others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum NestedArg {
-    /// As they are wound, compared to the piece around them
+    /// As they are wound relative to the piece around them
     Keep,
     /// Inwards within an odd number of others, outwards within an even number
     Cavity,
@@ -144,10 +144,11 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let outcome = mend(input, &args.spec(), args.set.form(to), &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    let one = &mut |out: &mut dyn io::Write| outcome.write(out);
+    let write_single = &mut |out: &mut dyn io::Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
-    let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let bytes =
+        args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("mend", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     console.result(&report, &summary_text(&report), stdout)
@@ -155,36 +156,37 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
 
 impl MendArgs {
     fn spec(&self) -> MendSpec {
-        let closeness = |length: Option<Length>| length.map_or(WeldTolerance::Exact, WeldTolerance::Within);
-        let usual = if self.all { MendSpec::ALL } else { MendSpec::default() };
+        let weld_tolerance =
+            |length: Option<Length>| length.map_or(WeldTolerance::Exact, WeldTolerance::Within);
+        let base = if self.all { MendSpec::ALL } else { MendSpec::default() };
         MendSpec {
-            weld: self.weld.map(closeness).or(usual.weld),
+            weld: self.weld.map(weld_tolerance).or(base.weld),
             drop_duplicates: self
                 .drop_duplicates
                 .map(|which| match which {
                     DuplicatesArg::Any => Duplicates::EitherWay,
                     DuplicatesArg::Alike => Duplicates::SameWay,
                 })
-                .or(usual.drop_duplicates),
-            drop_degenerate: self.drop_degenerate || usual.drop_degenerate,
-            resolve_t_junctions: self.resolve_t_junctions.map(closeness).or(usual.resolve_t_junctions),
-            split_non_manifold: self.split_nonmanifold || usual.split_non_manifold,
-            orient: self.orient || usual.orient,
+                .or(base.drop_duplicates),
+            drop_degenerate: self.drop_degenerate || base.drop_degenerate,
+            resolve_t_junctions: self.resolve_t_junctions.map(weld_tolerance).or(base.resolve_t_junctions),
+            split_non_manifold: self.split_nonmanifold || base.split_non_manifold,
+            orient: self.orient || base.orient,
             nested: self.nested.shells(),
             fill_holes: self
                 .fill_holes
                 .map(|most| most.map_or(HoleSelection::All, HoleSelection::UpTo))
-                .or(usual.fill_holes),
-            drop_unused: self.drop_unused || usual.drop_unused,
+                .or(base.fill_holes),
+            drop_unused: self.drop_unused || base.drop_unused,
         }
     }
 }
 
-/// What was mended, in front of what every verb says of a result.
+/// The repairs, inserted after the title of the usual summary.
 fn summary_text(report: &Report) -> String {
     let certificate = &report.certificate;
-    let made = summary::mesh(report);
-    let (title, rest) = made.split_once('\n').unwrap_or((&made, ""));
+    let summary = summary::mesh(report);
+    let (title, rest) = summary.split_once('\n').unwrap_or((&summary, ""));
     let mut text = format!("{title}\n");
     let mut name = "mended";
     for facts in &certificate.mended {
@@ -196,7 +198,7 @@ fn summary_text(report: &Report) -> String {
         && certificate.valid.as_ref().is_some_and(|valid| valid.topology == "positions")
     {
         text +=
-            "  but         this format ties equal positions: what was split is one again; write OBJ or PLY\n";
+            "  but         this format merges equal positions, which undoes the split; write OBJ or PLY\n";
     }
     text += rest;
     for (name, valid) in [("before", &certificate.valid_before), ("after", &certificate.valid)] {
@@ -204,21 +206,21 @@ fn summary_text(report: &Report) -> String {
             let _ = writeln!(text, "  {name:<11} {}", faults(valid));
         }
     }
-    // Neither is a count of edges, and both take a search: `inspect` makes it.
-    let _ = writeln!(text, "  {:<11} {NOT_LOOKED_FOR}", "");
+    // Both need a search, which `inspect` does: the counts of edges do not show them.
+    let _ = writeln!(text, "  {:<11} {NOT_CHECKED}", "");
     certificate.notes.iter().for_each(|note| {
         let _ = writeln!(text, "  {:<11} {note}", "note");
     });
     text
 }
 
-/// What the lines before and after leave out.
-const NOT_LOOKED_FOR: &str = "not looked for: components inside out, self-intersections";
+/// The faults that the lines before and after do not cover.
+const NOT_CHECKED: &str = "not checked: components inside out, self-intersections";
 
 fn changes_text(facts: &RepairFacts) -> String {
-    let all: Vec<String> =
+    let texts: Vec<String> =
         facts.changes.iter().map(|change| change_text(change.what, change.count)).collect();
-    if all.is_empty() { "nothing".to_owned() } else { all.join(", ") }
+    if texts.is_empty() { "nothing".to_owned() } else { texts.join(", ") }
 }
 
 /// `filled_holes` and 1 as `filled 1 hole`.
@@ -231,23 +233,23 @@ fn change_text(what: &str, count: u64) -> String {
         "turned_nested_shells" => ("turned", "shell within another"),
         _ => what.split_once('_').unwrap_or(("", what)),
     };
-    let one = match noun {
+    let singular = match noun {
         "vertices" => "vertex",
         noun => noun.strip_suffix('s').unwrap_or(noun),
     };
-    format!("{verb} {}", plural(count, one))
+    format!("{verb} {}", plural(count, singular))
 }
 
-/// What `inspect` would find, as far as counts tell it.
+/// The findings of `inspect` that counts alone can show.
 fn faults(valid: &ValidityFacts) -> String {
     if !valid.has_triangles() {
         return "no triangles".to_owned();
     }
-    let met: Vec<String> = FindingFacts::list(valid)
+    let findings: Vec<String> = FindingFacts::list(valid)
         .iter()
         .map(|finding| format!("{} {}", grouped(finding.count), finding.words))
         .collect();
-    if met.is_empty() { "none of the faults that were looked for".to_owned() } else { met.join(", ") }
+    if findings.is_empty() { "none of the checked faults".to_owned() } else { findings.join(", ") }
 }
 
 #[cfg(test)]

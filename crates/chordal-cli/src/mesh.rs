@@ -63,8 +63,8 @@ pub struct MeshArgs {
     #[command(flatten)]
     pub volume: VolumeArgs,
 
-    /// Mesh again whenever the input changes, or a file that it uses: a script's draft first and then its
-    /// proved mesh, unless --require says which. Ctrl-C stops
+    /// Mesh again whenever the input or a file that it uses changes. For a script, first a draft and then the
+    /// proved mesh, unless --require is given. Ctrl-C stops
     #[arg(long)]
     pub watch: bool,
 
@@ -75,15 +75,15 @@ pub struct MeshArgs {
     pub console: ConsoleArgs,
 }
 
-/// How the work is done, this time.
+/// The settings of one run of `mesh`; `--watch` makes several.
 pub struct MeshRound<'a> {
-    /// The conditions.
+    /// The job.
     pub job: &'a Job,
-    /// What happens to a file that has the output's name.
+    /// What happens to an existing output.
     pub existing: OverwritePolicy,
-    /// The evidence that is asked for.
+    /// The required evidence.
     pub require: Option<RequiredEvidence>,
-    /// Told where the files stand that were read beside the input.
+    /// Receives the possible paths of the files that the inputs reference.
     pub on_files: &'a dyn Fn(Vec<PathBuf>),
 }
 
@@ -101,7 +101,7 @@ pub fn job(args: &MeshArgs) -> Job {
     job
 }
 
-/// The same as one of several times.
+/// Reads, meshes, writes, reports, with the settings of a round.
 pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
@@ -127,34 +127,35 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
     if let Some(level) = options.level {
-        let made = refine(input, (level, options.normals()), args.set.form(to), job).spelled(&CommandLine);
-        let outcome = made.map_err(|failure| run_outcome::fault(&source.name(), &failure, ""))?;
-        let one = &mut |out: &mut dyn Write| outcome.write(out);
+        let refined = refine(input, (level, options.normals()), args.set.form(to), job).spelled(&CommandLine);
+        let outcome = refined.map_err(|failure| run_outcome::fault(&source.name(), &failure, ""))?;
+        let write_single = &mut |out: &mut dyn Write| outcome.write(out);
         let place = place(outcome.names_files());
-        let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+        let write_set = |stem: &str| outcome.write_files(stem);
+        let bytes = args.set.write(&place, &outcome.certificate, write_single, write_set)?;
         let run = run_outcome::facts("mesh", source.name(), target.name(), bytes);
         return print_summary(outcome.certificate, clock.fill(run, job), &console, stdout);
     }
-    let others = args.boolean.read(&args.input, job, &console)?;
-    (round.on_files)(args.boolean.files_beside(&args.input, &others));
-    if others.is_empty() && !spec.has_limit() && needs_budget(&input.shape, options.normals()) {
+    let operands = args.boolean.read(&args.input, job, &console)?;
+    (round.on_files)(args.boolean.files_beside(&args.input, &operands));
+    if operands.is_empty() && !spec.has_limit() && needs_budget(&input.shape, options.normals()) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
 
     let name = source.name();
     let form = args.set.form(to);
-    if !others.is_empty() && options.extrudes() {
-        return Err(Fault::usage("--extrude makes a solid of its own: write it, and combine the file"));
+    if !operands.is_empty() && options.extrudes() {
+        return Err(Fault::usage("--extrude makes a new solid: write it to a file first, and combine that"));
     }
     let limit = time_limit(&input.shape, options.within, round.require, job.proof_effort);
     let deadline = limit.map(|within| Deadline::start(job, within, Some(console)));
-    let made = if others.is_empty() {
+    let meshed = if operands.is_empty() {
         mesh(input, &spec, form, job)
     } else {
-        mesh_boolean(input, others, &spec, form, job)
+        mesh_boolean(input, operands, &spec, form, job)
     };
     drop(deadline);
-    let (outcome, unmet) = match made.spelled(&CommandLine) {
+    let (outcome, unmet) = match meshed.spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
             let fault = run_outcome::fault(&name, &failure, &hint(args, &failure));
@@ -166,34 +167,35 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
             }
         }
     };
-    let one = &mut |out: &mut dyn Write| outcome.write(out);
+    let write_single = &mut |out: &mut dyn Write| outcome.write(out);
     let place = place(outcome.names_files());
-    let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let bytes =
+        args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))?;
 
     let run = RunFacts { input_triangles, ..run_outcome::facts("mesh", name, target.name(), bytes) };
     print_summary(outcome.certificate, clock.fill(run, job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
-/// Of parts as code the best is always written: there is no other.
+/// Whether the shape is a field, whose best mesh is always written.
 fn is_field(bound: &Bound) -> bool {
     bound.reference == Reference::Field
 }
 
-/// What would help where the budget was not met.
+/// Advice for a budget that was not met.
 fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     let MeshFailure::Unmet(best) = failure else { return String::new() };
     let options = &args.options;
     let mut hints: Vec<&str> = Vec::new();
     if is_field(&best.bound) {
-        hints.push("it is written all the same");
+        hints.push("the result is written nevertheless");
         let wants_proof = options.require() == Some(RequiredEvidence::Proved);
-        // Of a proof that was tried it is known where it did not end.
+        // A proof that was tried left its open places, or an upper bound.
         let was_tried = best.bound.open.is_some() || best.bound.evidence().bounds_above();
         if options.require().is_none() && !was_tried {
             hints.push(
-                "memory for its cells, or the time, ran out before a proof: --within 5m gives it longer, --max-memory more \
-                 cells",
+                "the time, or the memory for its cells, ran out before the proof: --within 5m allows more time, \
+                --max-memory more cells",
             );
         } else if wants_proof || options.require().is_none() {
             hints.push("--require measured asks for no proof");
@@ -209,7 +211,7 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     hints.iter().map(|hint| format!("; {hint}")).collect()
 }
 
-/// Tells what was made.
+/// Prints the report or its summary.
 fn print_summary(
     certificate: Certificate,
     run: RunFacts,
@@ -221,10 +223,10 @@ fn print_summary(
     console.result(&report, &summary::mesh(&report), stdout)
 }
 
-/// What is said where nothing limits what may be lost. Volumes alone have a resolution of their own.
+/// The error if no budget was given. Only volumes have a resolution of their own.
 const NO_BUDGET: &str = "the following required arguments were not provided: \
     <--tol <LENGTH>|--px <PIXELS>|--triangles <N>|--segments <N>> (see --help)";
 
-/// The same for a cage, whose polygons need none.
+/// The same for a cage, whose polygons need no budget.
 const NO_LEVEL: &str = "a cage becomes triangles within a budget (--tol, --px or --triangles), or polygons with --level N \
     (see --help)";

@@ -1,4 +1,5 @@
-//! What stands for `signal` where there are no signals: whoever runs a module in a browser drops it, and its files.
+//! Replaces `signal` in WebAssembly, which has no signals: stopping a module in a browser drops its files
+//! with it.
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,12 +14,12 @@ pub fn create_unfinished<T>(
     create()
 }
 
-/// A file is removed by its name.
+/// Removes a file.
 pub fn remove_file(path: &Path) {
     let _ = std::fs::remove_file(path);
 }
 
-/// There is no list of what is unfinished.
+/// There is no list of unfinished outputs.
 pub fn forget_unfinished(_: &Path) {}
 
 /// Runs `commit`.
@@ -26,11 +27,11 @@ pub fn without_interruption<T>(commit: impl FnOnce() -> T) -> T {
     commit()
 }
 
-/// A module that aborts has no code: whoever runs it sees the trap.
+/// An abort of a module is a trap, which has no exit code.
 pub fn end_aborts_with_a_code() {}
 
-/// Nothing is said before the trap.
+/// Nothing is printed before a trap.
 pub fn say_of_aborts(_: String) {}
 
-/// Nothing comes.
+/// No signal can arrive.
 pub fn install(_: Arc<AtomicBool>) {}

@@ -1,17 +1,17 @@
-//! Numbers for people: few digits, and never on the wrong side of a bound.
+//! Numbers for people: few digits, rounded so that a bound stays a bound.
 
-/// Which way a number may be off when its last digits are left out.
+/// The direction in which digits are rounded away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RoundingDirection {
-    /// Not below what it stands for: for an upper end.
+    /// Not below the number: for an upper bound.
     Up,
-    /// Not above what it stands for: for a lower end.
+    /// Not above the number: for a lower bound.
     Down,
-    /// Whatever is nearer.
+    /// To the nearest.
     Nearest,
 }
 
-/// Three significant digits, without an exponent where that is short.
+/// Three significant digits; an exponent only for very large and very small numbers.
 pub fn short(number: f64, toward: RoundingDirection) -> String {
     with_digits(number, 3, toward)
 }
@@ -32,22 +32,22 @@ fn with_digits(number: f64, digits: usize, toward: RoundingDirection) -> String 
         RoundingDirection::Nearest => false,
     };
     let text = if wrong_side {
-        // One step of the last digit further lies on the right side.
+        // One unit of the last digit moves it to the right side.
         let exponent = near.rsplit_once('e').map_or("0", |(_, exponent)| exponent);
         let step = value(&format!("1e{exponent}")) / value(&format!("1e{}", digits - 1));
         rounded(if toward == RoundingDirection::Up { number + step } else { number - step })
     } else {
         near
     };
-    let kept = value(&text);
-    let plain = kept == 0.0 || (1e-3..1e6).contains(&kept.abs());
-    // The sign of a zero is of no interest to people.
-    if kept == 0.0 {
+    let shown = value(&text);
+    let plain = shown == 0.0 || (1e-3..1e6).contains(&shown.abs());
+    // Hides the sign of −0.
+    if shown == 0.0 {
         "0".to_owned()
     } else if plain {
-        format!("{kept}")
+        format!("{shown}")
     } else {
-        format!("{kept:e}")
+        format!("{shown:e}")
     }
 }
 

@@ -1,30 +1,30 @@
-//! `OutputTarget`: where output goes, checked before the work.
+//! `OutputTarget`: the destination of the output, checked before the work.
 use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::overwrite::{OverwritePolicy, refuse_input, refuse_occupied};
 use crate::temp_output::TempOutput;
 use std::path::{Path, PathBuf};
 
-/// Where output goes.
+/// The destination of the output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum OutputTarget {
     /// `-`.
     Stdout,
     /// A file.
     File {
-        /// Its name.
+        /// The path.
         path: PathBuf,
-        /// What happens to a file that already has it.
+        /// What happens to an existing file.
         existing: OverwritePolicy,
     },
 }
 
 impl OutputTarget {
-    /// `-` is stdout; anything else is a path, checked now as far as that is possible: the work may take
-    /// long, and a folder that cannot be written should be known before.
+    /// `-` is stdout; anything else is a path. It is checked as far as possible, so that a long job does not
+    /// fail at its end because a folder cannot be written.
     ///
     /// # Errors
-    /// When the output cannot, or should not, be written.
+    /// If the output cannot, or may not, be written.
     pub fn prepare(arg: &Path, existing: OverwritePolicy, input: &InputSource) -> Result<Self, Fault> {
         if arg.as_os_str() == "-" {
             return Ok(Self::Stdout);

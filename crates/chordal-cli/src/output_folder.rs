@@ -1,12 +1,17 @@
-//! Writing a folder so that its name only ever shows a complete one: written aside, synced, and exchanged with
-//! the older one in one step.
+//! Writes an output folder atomically: it is written under a temporary name, synced, and exchanged with the
+//! old folder in one step.
 //!
-//! Where the system cannot exchange two folders, the older one is renamed, then the new one; a kill between the
-//! two leaves the older one beside as `.chordal-….old.tmp`, and the next run gives it its name back before
-//! anything else. What a kill leaves behind otherwise is a folder `.chordal-….tmp`, which the next run for the
-//! same folder removes, and an empty lock file.
+//! ```text
+//! before:  out/ = old files    .chordal-out-12-0.tmp/ = new files
+//! after:   out/ = new files    .chordal-out-12-0.tmp/ = old files, then removed
+//! ```
 //!
-//! Only files of the verb's own names are ever removed. A folder with anything else in it is refused.
+//! If the system cannot exchange two folders, first the old one is renamed, then the new one. A kill between
+//! the two steps leaves the old folder as `.chordal-….old.tmp`; the next run restores its name before
+//! anything else. Any other kill leaves at most a folder `.chordal-….tmp`, which the next run for the same
+//! folder removes, and an empty lock file.
+//!
+//! Only files with names that the verb writes are ever removed. A folder with any other file is refused.
 use crate::fault::{Fault, plainly};
 use crate::folder_lock::FolderLock;
 use crate::host;
@@ -19,46 +24,46 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Whether a name is one that the verb gives to files of its folder.
+/// Whether the verb writes files of a name into its folder.
 pub type OwnNames = fn(&str) -> bool;
 
-/// A folder that is an output, locked and with a folder aside until it is written.
+/// An output folder that is locked, with a temporary folder until it is written.
 pub struct OutputFolder {
     place: FolderPlace,
-    // Removed before the lock is given back.
-    aside: AsideFolder,
+    // Fields are dropped in order: the temporary folder is removed before the lock is released.
+    temp: TempFolder,
     _lock: FolderLock,
 }
 
-/// A folder that may be written, and what may happen to what is there.
+/// A folder that may be written, and the policy for its current files.
 #[derive(Clone, Debug)]
 pub struct FolderPlace {
-    /// Its name, without a `/` at the end.
+    /// The path, without a `/` at the end.
     path: PathBuf,
     existing: OverwritePolicy,
     is_own: OwnNames,
 }
 
-/// What stands where a folder is to be.
+/// The current state of the output's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FolderState {
     Missing,
     Empty,
-    /// Files of the verb alone, which may be replaced.
+    /// Only files of the verb, which may be replaced.
     Own,
 }
 
 impl FolderPlace {
-    /// A folder by its name, refused where it should not be written, as far as that is known before the work.
+    /// Checks a folder, as far as possible before the work.
     ///
     /// # Errors
-    /// When it is no folder, a link, the working folder or a mount point, holds what is not the verb's own, or
-    /// holds what may not be replaced.
+    /// If it is no folder, a link, the working folder or a mount point, or contains files that the verb does
+    /// not write or may not replace.
     pub fn new(arg: &Path, existing: OverwritePolicy, is_own: OwnNames) -> Result<Self, Fault> {
         let unreadable = |error: io::Error| fault_at(arg, &plainly(&error));
         let path: PathBuf = match arg.file_name() {
             Some(_) => arg.components().collect(),
-            // "." and ".." are names of something else.
+            // "." and ".." are no names that a folder could be renamed to.
             None => arg.canonicalize().map_err(unreadable)?,
         };
         let place = Self { path, existing, is_own };
@@ -68,21 +73,21 @@ impl FolderPlace {
         Ok(place)
     }
 
-    /// The path of a file in it.
+    /// The path of a file in the folder.
     pub fn join(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }
 
-    /// Whether a file stands in it.
+    /// Whether a file is in the folder.
     pub fn holds(&self, file: &Path) -> bool {
         let at = overwrite::parent(file).canonicalize();
         matches!((at, self.path.canonicalize()), (Ok(at), Ok(own)) if at == own)
     }
 
-    /// Makes ready: makes the folders above, locks, sweeps, and makes the folder aside.
+    /// Creates the parent folders, locks the folder, removes left-overs, and creates the temporary folder.
     ///
     /// # Errors
-    /// When another job writes it, or the folder that it stands in cannot be written.
+    /// If another job writes the folder, or its parent cannot be written.
     pub fn open(self) -> Result<OutputFolder, Fault> {
         let parent = overwrite::parent(&self.path);
         fs::create_dir_all(parent).map_err(|error| self.unwritable_parent(&error))?;
@@ -97,11 +102,11 @@ impl FolderPlace {
             self.sweep();
         }
         self.state()?;
-        let aside = AsideFolder::create(&self)?;
-        Ok(OutputFolder { place: self, aside, _lock: lock })
+        let temp = TempFolder::create(&self)?;
+        Ok(OutputFolder { place: self, temp, _lock: lock })
     }
 
-    /// What is there, if it may be replaced.
+    /// The state of the folder, if it may be replaced.
     fn state(&self) -> Result<FolderState, Fault> {
         let name = self.path.display();
         let metadata = match fs::symlink_metadata(&self.path) {
@@ -125,15 +130,12 @@ impl FolderPlace {
             (Some(_), OverwritePolicy::Replace) => Ok(FolderState::Own),
             (Some(first), OverwritePolicy::Keep) => Err(Fault::output(
                 "output-exists",
-                format!(
-                    "{}: the folder is written already; --force replaces all of it",
-                    self.join(first).display()
-                ),
+                format!("{}: the folder exists; --force replaces all of it", self.join(first).display()),
             )),
         }
     }
 
-    /// The names in a folder, in order, which are all the verb's own.
+    /// The sorted names in a folder; an error if one is not the verb's.
     fn own_names(&self, folder: &Path) -> Result<Vec<String>, Fault> {
         let unreadable = |error: io::Error| fault_at(&self.path, &plainly(&error));
         let mut names = Vec::new();
@@ -146,8 +148,8 @@ impl FolderPlace {
                     return Err(Fault::output(
                         "output-not-own",
                         format!(
-                            "{}: this is none of the files that are written here, and the folder would be replaced as \
-                             a whole; name a folder of its own",
+                            "{}: this file was not written by this command, and the folder would be replaced as a \
+                            whole; name another folder",
                             self.path.join(name).display()
                         ),
                     ));
@@ -158,7 +160,8 @@ impl FolderPlace {
         Ok(names)
     }
 
-    /// Refuses a folder that cannot be renamed, or whose users would be left in one that is gone.
+    /// Refuses a mount point, which cannot be renamed, and the working folder, which would vanish under its
+    /// users.
     fn refuse_fixed(&self) -> Result<(), Fault> {
         let is_working = matches!(
             (std::env::current_dir().and_then(|folder| folder.canonicalize()), self.path.canonicalize()),
@@ -183,16 +186,16 @@ impl FolderPlace {
         fault_at(&self.path, &format!("cannot write into {parent}: {}", plainly(error)))
     }
 
-    /// The start of the names of folders aside.
-    fn aside_prefix(&self) -> String {
+    /// The prefix of the names of temporary folders.
+    fn temp_prefix(&self) -> String {
         let name = self.path.file_name().map(OsStr::to_string_lossy).unwrap_or_default();
         format!(".chordal-{name}-")
     }
 
-    /// Puts right what killed jobs left of this folder: whoever holds the lock is the only one who may.
+    /// Restores or removes what killed jobs left of this folder. Only the holder of the lock may do so.
     fn sweep(&self) {
         let Ok(entries) = fs::read_dir(overwrite::parent(&self.path)) else { return };
-        let prefix = self.aside_prefix();
+        let prefix = self.temp_prefix();
         for entry in entries.flatten() {
             let name = entry.file_name();
             let rest = name.to_str().and_then(|name| name.strip_prefix(&prefix)?.strip_suffix(".tmp"));
@@ -214,10 +217,10 @@ impl FolderPlace {
     }
 }
 
-/// What the name of an older folder has before its end while the new one takes its place.
+/// The suffix, before `.tmp`, of an old folder while the new one is renamed.
 const OLD: &str = ".old";
 
-/// Removes files of the verb's own names, and the folder if nothing else is in it.
+/// Removes the verb's files, and the folder if it is empty then.
 fn remove_own(folder: &Path, is_own: OwnNames) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
@@ -244,16 +247,16 @@ fn is_mount_point(_: &Path) -> bool {
     false
 }
 
-/// A folder beside the output, removed with its files unless it takes the output's name.
-struct AsideFolder {
+/// A folder beside the output, removed with its files unless it is renamed to the output.
+struct TempFolder {
     path: PathBuf,
     is_own: OwnNames,
 }
 
-impl AsideFolder {
+impl TempFolder {
     fn create(place: &FolderPlace) -> Result<Self, Fault> {
-        let (parent, prefix, is_own) = (overwrite::parent(&place.path), place.aside_prefix(), place.is_own);
-        // Another process can have the name only if it had this one's number before and was killed.
+        let (parent, prefix, is_own) = (overwrite::parent(&place.path), place.temp_prefix(), place.is_own);
+        // A name is taken only if an earlier process of the same number was killed.
         for attempt in 0..1000 {
             let path = parent.join(format!("{prefix}{}-{attempt}.tmp", host::process_number()));
             let remove = Box::new(move |path: &Path| remove_own(path, is_own));
@@ -266,53 +269,53 @@ impl AsideFolder {
         Err(place.unwritable_parent(&io::ErrorKind::AlreadyExists.into()))
     }
 
-    /// Writes a file down to the disk.
+    /// Writes and syncs a file.
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WriteError> {
         let path = self.path.join(name);
-        // A signal removes all files that are there, so that none may come after it.
+        // The signal handler removes the folder's files, so none may be created while it runs.
         let mut file = signal::without_interruption(|| File::create_new(&path))?;
         file.write_all(bytes)?;
         Ok(file.sync_all()?)
     }
 }
 
-impl Drop for AsideFolder {
+impl Drop for TempFolder {
     fn drop(&mut self) {
-        // By now the older folder has this name, or nothing.
+        // After an exchange the old folder has this name; after a rename nothing has it.
         remove_own(&self.path, self.is_own);
         signal::forget_unfinished(&self.path);
     }
 }
 
 impl OutputFolder {
-    /// Writes all files, of which the document is called `document`, and gives them the folder's name in one
-    /// step. Returns the number of bytes.
+    /// Writes all files and puts the folder in place in one step. `document` is the name of the set's
+    /// document. Returns the number of bytes.
     ///
     /// # Errors
-    /// When the system fails, or the folder should not be replaced any more; then what was there still is.
+    /// If the system fails, or the folder may not be replaced any more; then the old folder is unchanged.
     pub fn write(self, set: &FileSet<'_>, document: &str) -> Result<u64, Fault> {
         let mut bytes = 0;
         let beside = set.beside.iter().map(|file| (&*file.name, &*file.bytes));
         for (name, content) in beside.chain([(document, &*set.document)]) {
-            let written = self.aside.write(name, content);
+            let written = self.temp.write(name, content);
             written.map_err(|error| unwritable(&self.place.join(name).display().to_string(), &error))?;
             bytes += content.len() as u64;
         }
-        temp_output::sync_folder(&self.aside.path.join(document));
+        temp_output::sync_folder(&self.temp.path.join(document));
         signal::without_interruption(|| self.commit())?;
         temp_output::sync_folder(&self.place.path);
         Ok(bytes)
     }
 
-    /// Gives the folder its name.
+    /// Puts the folder in place.
     fn commit(&self) -> Result<(), Fault> {
-        let (new, path) = (&self.aside.path, &self.place.path);
-        // Asked again: the work may have taken long.
+        let (new, path) = (&self.temp.path, &self.place.path);
+        // Checked again, since it may have changed during the work.
         match self.place.state()? {
             FolderState::Missing => fs::rename(new, path).map_err(|error| self.failed(&error)),
             FolderState::Empty => {
                 keep_permissions(path, new);
-                // Elsewhere than on Unix nothing is renamed to what exists. Only an empty folder is removed.
+                // Only Unix renames over an empty folder. `remove_dir` removes only an empty one.
                 let free = if cfg!(unix) { Ok(()) } else { fs::remove_dir(path) };
                 free.and_then(|()| fs::rename(new, path)).map_err(|error| self.failed(&error))
             }
@@ -320,7 +323,7 @@ impl OutputFolder {
                 keep_permissions(path, new);
                 match exchange(new, path) {
                     Ok(()) => {
-                        // What came into the older folder in the meantime is somebody else's.
+                        // If another program added a file to the old folder meanwhile, exchange them back.
                         self.place.own_names(new).map(drop).inspect_err(|_| drop(exchange(new, path)))
                     }
                     Err(error) if is_unsupported(&error) => self.rename_both(),
@@ -330,9 +333,9 @@ impl OutputFolder {
         }
     }
 
-    /// Takes the place of the older folder in two steps; a failure of the second undoes the first.
+    /// Replaces the old folder in two steps; if the second fails, the first is undone.
     fn rename_both(&self) -> Result<(), Fault> {
-        let (new, path) = (&self.aside.path, &self.place.path);
+        let (new, path) = (&self.temp.path, &self.place.path);
         let old = new.with_extension(format!("{}.tmp", &OLD[1..]));
         fs::rename(path, &old).map_err(|error| self.failed(&error))?;
         let renamed = self
@@ -351,7 +354,7 @@ impl OutputFolder {
             io::ErrorKind::ResourceBusy | io::ErrorKind::CrossesDevices => Fault::output(
                 "output-is-fixed",
                 format!(
-                    "{}: the folder is in use by the system, and cannot be replaced as a whole; name a folder inside it",
+                    "{}: the folder is in use by the system and cannot be replaced as a whole; name a folder inside it",
                     self.place.path.display()
                 ),
             ),
@@ -372,7 +375,7 @@ fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Whether a system or a file system has no such call, or not for these.
+/// Whether the system or the file system does not support the call, or not for these paths.
 fn is_unsupported(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::Unsupported | io::ErrorKind::InvalidInput)
 }
@@ -422,16 +425,16 @@ mod tests {
         folder.file("out/notes.txt", "mine");
         let Err(fault) = open(&folder, OverwritePolicy::Replace) else { panic!("replaced") };
         assert_eq!((fault.code, fault.lines[0].contains("notes.txt")), ("output-not-own", true));
-        // The same where it comes during the work, and after the last question.
+        // The same if the file appears during the work, and after the last check.
         fs::remove_file(folder.path("out/notes.txt")).unwrap();
         let opened = open(&folder, OverwritePolicy::Replace).unwrap();
         folder.file("out/notes.txt", "mine");
         assert_eq!(opened.write(&set(&["tile_7"]), "list").unwrap_err().code, "output-not-own");
-        let opened = |keep: fn(&OutputFolder) -> Result<(), Fault>| {
+        let opened = |commit: fn(&OutputFolder) -> Result<(), Fault>| {
             fs::remove_file(folder.path("out/notes.txt")).unwrap();
             let opened = open(&folder, OverwritePolicy::Replace).unwrap();
             folder.file("out/notes.txt", "mine");
-            keep(&opened)
+            commit(&opened)
         };
         assert_eq!(opened(OutputFolder::rename_both).unwrap_err().code, "output-not-own");
         assert_eq!(names(&folder.path("out")), ["list", "notes.txt", "tile_0"]);
@@ -443,14 +446,14 @@ mod tests {
         let folder = Folder::new("folder-renames");
         open(&folder, OverwritePolicy::Keep).unwrap().write(&set(&["tile_0"]), "list").unwrap();
         let opened = open(&folder, OverwritePolicy::Replace).unwrap();
-        opened.aside.write("tile_1", b"new").unwrap();
+        opened.temp.write("tile_1", b"new").unwrap();
         opened.rename_both().unwrap();
         drop(opened);
         assert_eq!(names(&folder.path("out")), ["tile_1"]);
         assert_eq!(folder.names(), ["out"]);
     }
 
-    /// What a kill between two renames leaves, and other left-overs; beside them, what is nobody's to remove.
+    /// Left-overs of a kill between two renames and of others, beside folders that must not be removed.
     #[test]
     fn what_kills_leave_is_put_right() {
         let folder = Folder::new("folder-swept");

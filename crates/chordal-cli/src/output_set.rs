@@ -1,4 +1,4 @@
-//! Outputs of several files: asked for, and checked before the work.
+//! Options for outputs of several files, checked before the work.
 use crate::fault::Fault;
 use crate::output::OutputTarget;
 use crate::overwrite::refuse_occupied;
@@ -15,16 +15,17 @@ pub struct OutputSetArgs {
     /// For .gltf: write the buffer (.bin) and the images as separate files instead of embedding them
     #[arg(long)]
     pub separate: bool,
-    /// For .glb and .gltf: compress vertices and triangles losslessly, by an extension that readers need
+    /// For .glb and .gltf: compress vertices and triangles losslessly, by an extension that readers must
+    /// support
     #[arg(long, value_name = "CODEC")]
     pub compress: Option<Compression>,
     /// For .glb and .gltf: quantize positions to 16 bits, normals to 8 and texture coordinates to 16, by an
-    /// extension that readers need. The bound includes the rounding
+    /// extension that readers must support. The bound includes the rounding
     #[arg(long)]
     pub quantize: bool,
 }
 
-/// How a glTF is compressed.
+/// The compression of a glTF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Compression {
     /// `EXT_meshopt_compression`
@@ -32,7 +33,7 @@ pub enum Compression {
 }
 
 impl OutputSetArgs {
-    /// How a glTF stores its numbers.
+    /// The packing of a glTF.
     pub fn packing(&self) -> GltfPacking {
         GltfPacking {
             is_compressed: self.compress == Some(Compression::Meshopt),
@@ -40,19 +41,20 @@ impl OutputSetArgs {
         }
     }
 
-    /// A format with these numbers.
+    /// A format with this packing.
     pub fn form(&self, format: Format) -> OutputForm {
         OutputForm { format, packing: self.packing() }
     }
 
-    /// Refuses what cannot be several files, and what is there already, as far as that is known before the work.
+    /// Checks the options against the target, as far as possible before the work.
     ///
     /// # Errors
-    /// When several files were asked for, and the format or the target has one, or a file should not be written.
+    /// If an option does not fit the format, the target cannot be several files, or the buffer's file may not
+    /// be written.
     pub fn check(&self, target: &OutputTarget, format: Format) -> Result<(), Fault> {
-        let packs = [(self.compress.is_some(), "--compress"), (self.quantize, "--quantize")];
-        let asked = packs.iter().find(|(is_asked, _)| *is_asked);
-        if let Some((_, option)) = asked
+        let packing_options = [(self.compress.is_some(), "--compress"), (self.quantize, "--quantize")];
+        let given = packing_options.iter().find(|(is_given, _)| *is_given);
+        if let Some((_, option)) = given
             && !format.is_gltf()
         {
             let names = extensions_where(Format::is_gltf, "and");

@@ -1,9 +1,14 @@
-//! Writing a document with files beside it that it names: all are written aside and synced, then renamed, the
-//! document last.
+//! Writes a document with the files that it references: all are written under temporary names and synced,
+//! then renamed, the document last.
 //!
-//! They are refused together where one of them should not be written, before any is renamed. Where they replace
-//! older ones, the older document goes first: a kill between the renames leaves no document whose files are
-//! another's. A rename that fails undoes those before it.
+//! If one of them may not be written, all are refused before any is renamed. If they replace old files, the
+//! old document is moved away first: a kill between the renames never leaves a document with files of another
+//! one. A rename that fails undoes those before it.
+//!
+//! ```text
+//! move away:     a.gltf, a.bin     (the old document first)
+//! put in place:  a.bin, a.gltf     (the new document last)
+//! ```
 use crate::console::Console;
 use crate::fault::{Fault, plainly};
 use crate::output::OutputTarget;
@@ -20,11 +25,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 impl OutputSetArgs {
-    /// Writes what a verb made: as one file by `one`, or as several by `several`, which takes the stem of their
-    /// names. Returns the number of bytes. The files that the certificate says were read are not replaced.
+    /// Writes the result of a verb: as one file by `one`, or as several by `several`, which takes the stem of
+    /// their names. Returns the number of bytes. Files that were read, as the certificate lists them, are not
+    /// replaced.
     ///
     /// # Errors
-    /// When the output cannot, or should not, be written; then whatever had the names before still has them.
+    /// If the output cannot, or may not, be written; then existing files are unchanged.
     pub fn write<'a>(
         &self,
         to: &SetPlace<'_>,
@@ -35,7 +41,7 @@ impl OutputSetArgs {
         let SetPlace { target, input, console, names_files } = *to;
         let OutputTarget::File { path, existing } = target else {
             if names_files {
-                let message = "the materials of an OBJ are in files beside it, which stdout cannot hold: they were left out";
+                let message = "the materials of an OBJ are separate files, which stdout cannot hold: they were left out";
                 console.warn(&target.name(), &[message]);
             }
             return target.write(one);
@@ -53,27 +59,27 @@ impl OutputSetArgs {
     }
 }
 
-/// Where a verb writes what it made.
+/// The destination of a verb's result.
 pub struct SetPlace<'a> {
     /// The document.
     pub target: &'a OutputTarget,
     /// The file that was read.
     pub input: &'a Path,
-    /// What is left out is told there.
+    /// Prints warnings about omitted files.
     pub console: &'a Console,
-    /// Whether the document names files beside it without being asked to.
+    /// Whether the document references other files even without `--separate`.
     pub names_files: bool,
 }
 
-/// A file that was written aside.
+/// A file that was written under a temporary name.
 struct StagedFile {
     new: TempOutput,
     path: PathBuf,
-    /// The name of the older file while others are renamed, if there is one.
+    /// The temporary name of the old file while others are renamed, if there is one.
     old: Option<TempOutput>,
 }
 
-/// Writes a document and the files beside it, none of which may be one that was read.
+/// Writes a document and its files, none of which may be one that was read.
 fn write_set(
     document: &Path,
     existing: OverwritePolicy,
@@ -82,9 +88,9 @@ fn write_set(
 ) -> Result<u64, Fault> {
     let folder = parent(document);
     let beside = set.beside.iter().map(|file| (folder.join(&file.name), &*file.bytes));
-    let all: Vec<(PathBuf, &[u8])> = beside.chain([(document.to_owned(), &*set.document)]).collect();
+    let files: Vec<(PathBuf, &[u8])> = beside.chain([(document.to_owned(), &*set.document)]).collect();
     let refuse = || {
-        all.iter().try_for_each(|(path, _)| {
+        files.iter().try_for_each(|(path, _)| {
             if read.iter().any(|input| is_same_file(input, path)) {
                 let message = format!("{}: the output is a file of the input", path.display());
                 return Err(Fault::output("output-is-input", message));
@@ -94,15 +100,15 @@ fn write_set(
     };
     refuse()?;
     let mut bytes = 0;
-    let mut staged = Vec::with_capacity(all.len());
-    for (path, content) in &all {
+    let mut staged = Vec::with_capacity(files.len());
+    for (path, content) in &files {
         let mut new = TempOutput::create(path)?;
         let written = new.fill(&mut |out| Ok(out.write_all(content)?));
         bytes += written.map_err(|error| unwritable(&path.display().to_string(), &error))?;
         let old = if path.exists() { Some(TempOutput::create(path)?) } else { None };
         staged.push(StagedFile { new, path: path.clone(), old });
     }
-    // Asked again: writing may have taken long.
+    // Checked again, since it may have changed during the writing.
     refuse()?;
     signal::without_interruption(|| commit(&staged, existing))?;
     if let Some(last) = staged.last() {
@@ -111,12 +117,12 @@ fn write_set(
     Ok(bytes)
 }
 
-/// Gives all files their names, or none.
+/// Puts all files in place, or none.
 fn commit(staged: &[StagedFile], existing: OverwritePolicy) -> Result<(), Fault> {
     let mut done: Vec<(&Path, &Path)> = Vec::new();
     let renamed = rename_all(staged, existing, &mut done);
     renamed.map_err(|(path, error)| {
-        // What cannot be undone stays under a name that says what it is.
+        // A file whose rename cannot be undone keeps its recognizable temporary name.
         done.iter().rev().for_each(|(from, to)| drop(fs::rename(to, from)));
         match error.kind() {
             io::ErrorKind::AlreadyExists => exists(path),
@@ -125,13 +131,13 @@ fn commit(staged: &[StagedFile], existing: OverwritePolicy) -> Result<(), Fault>
     })
 }
 
-/// Renames, and says what was renamed.
+/// Renames all files, and records each rename in `done`.
 fn rename_all<'a>(
     staged: &'a [StagedFile],
     existing: OverwritePolicy,
     done: &mut Vec<(&'a Path, &'a Path)>,
 ) -> Result<(), (&'a Path, io::Error)> {
-    // The document is the last: the first to go, and the last to come.
+    // The document is last in the list: it is moved away first and put in place last.
     for file in staged.iter().rev() {
         if let Some(old) = &file.old {
             keep_permissions(&file.path, file.new.path());
@@ -195,7 +201,7 @@ mod tests {
                 StagedFile { new, path: path.clone(), old }
             })
             .collect();
-        // By the time of the renames, a folder has the name of the second.
+        // A folder takes the name of the second file before the renames.
         fs::create_dir(&paths[1]).unwrap();
         assert_eq!(commit(&staged, OverwritePolicy::Replace).unwrap_err().code, "unwritable");
         drop(staged);

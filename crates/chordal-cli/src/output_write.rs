@@ -1,4 +1,4 @@
-//! Writes an output when the work is done: all of it or nothing.
+//! Writes an output of one file atomically.
 use crate::console::check_stdout;
 use crate::fault::Fault;
 use crate::output::OutputTarget;
@@ -7,10 +7,10 @@ use chordal_io::WriteError;
 use std::io::{self, Write};
 
 impl OutputTarget {
-    /// Writes what `fill` makes, all or nothing, and returns the number of bytes.
+    /// Writes the output of `fill` atomically and returns the number of bytes.
     ///
     /// # Errors
-    /// When `fill` or the system fails; then whatever had the name before still has it.
+    /// If `fill` or the system fails; then an existing file is unchanged.
     pub fn write(&self, fill: OutputWriter) -> Result<u64, Fault> {
         let name = self.name();
         let failed = |error: WriteError| unwritable(&name, &error);
@@ -24,9 +24,9 @@ impl OutputTarget {
                 Ok(bytes.len() as u64)
             }
             Self::File { path, existing } => {
-                let mut aside = TempOutput::create(path)?;
-                let bytes = aside.fill(fill).map_err(failed)?;
-                aside.commit(path, *existing)?;
+                let mut temp = TempOutput::create(path)?;
+                let bytes = temp.fill(fill).map_err(failed)?;
+                temp.commit(path, *existing)?;
                 Ok(bytes)
             }
         }

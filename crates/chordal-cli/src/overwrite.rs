@@ -1,26 +1,26 @@
-//! What an output may not replace: refused with exit code 4, before any work and again at its end.
+//! Outputs that may not be replaced: refused with exit code 4, before any work and again at its end.
 //!
-//! That is an output that is the input, that exists (unless `--force`), or that is a folder, a device or a symbolic
-//! link. A link is refused even with `--force`: replacing it and writing through it are both surprising, and naming
-//! the file itself costs nothing.
+//! Refused are the input, an existing file (unless `--force`), a folder, a device and a symbolic link. A link
+//! is refused even with `--force`: replacing it and writing through it are both surprising, and the user can
+//! name the file itself.
 use crate::fault::Fault;
 use crate::input::InputSource;
 use std::fs;
 use std::path::Path;
 
-/// What happens to a file that already has the output's name.
+/// What happens to an existing file of the output's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OverwritePolicy {
     /// It stays, and the command fails.
     Keep,
-    /// It is replaced, as a whole and at the end.
+    /// It is replaced at the end, atomically.
     Replace,
 }
 
 /// Refuses an output that is the input.
 ///
 /// # Errors
-/// Then.
+/// If both are one file.
 pub fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
     let InputSource::File(input) = input else { return Ok(()) };
     if !is_same_file(input, output) {
@@ -29,7 +29,7 @@ pub fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
     Err(Fault::output("output-is-input", format!("{}: the output is the input", output.display())))
 }
 
-/// Whether both names lead to one file, by whatever links.
+/// Whether both paths are one file, even through links.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -41,10 +41,10 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Refuses an output whose name is taken, unless by a file that may be replaced.
+/// Refuses an output whose path exists, unless it is a file that may be replaced.
 ///
 /// # Errors
-/// When it should not be written.
+/// If it may not be replaced.
 pub fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
     let name = path.display();
     let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
@@ -68,12 +68,12 @@ pub fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fau
     }
 }
 
-/// The fault of a file that may not be replaced.
+/// The error for a file that may not be replaced.
 pub fn exists(path: &Path) -> Fault {
     Fault::output("output-exists", format!("{}: the file exists; --force replaces it", path.display()))
 }
 
-/// The folder that a path stands in.
+/// The folder of a path.
 pub fn parent(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -1,12 +1,12 @@
-//! `Program`: the words that start this command again, and what comes with it.
+//! `Program`: the words that start this command again.
 use std::ffi::OsString;
 
-/// How the program that the command is part of is started.
+/// How to start the program that contains the command.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Program {
     /// The words before those of the command line.
     pub words: Vec<OsString>,
-    /// The words before the address of a scheduler that start a client of a Dask cluster; none where there is no
+    /// The words that start a client of a Dask cluster, without the address of its scheduler; `None` without
     /// Python.
     pub bridge: Option<Vec<OsString>>,
 }

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// `chordal render`
 #[derive(Args, Debug)]
 pub struct RenderArgs {
-    /// What the picture shows
+    /// The contents of the picture
     #[arg(long, value_name = "WHAT", default_value = "shaded")]
     pub show: RenderMode,
 
@@ -72,7 +72,7 @@ pub struct RenderArgs {
     pub console: ConsoleArgs,
 }
 
-/// What a picture can show.
+/// The contents of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RenderMode {
     /// Shaded, with the file's normals if it has some
@@ -83,9 +83,9 @@ pub enum RenderMode {
     Wire,
     /// The direction of the normal as a colour
     Normals,
-    /// Zebra stripes, as a mirror would show them: kinks in the curvature show as kinks
+    /// Zebra stripes, as reflected by a mirror: a jump of the curvature shows as a kink of the stripes
     Zebra,
-    /// The curvature along the paths of a drawing, as teeth on the outer side of each bend
+    /// The curvature along the paths of a drawing, as combs on the outer side of each bend
     Comb,
     /// How many lanes a GPU launches for each pixel, from light for one to dark for 16 and more; the report
     /// counts quads, helper lanes, triangles too small to be seen, and flicker
@@ -94,7 +94,7 @@ pub enum RenderMode {
     Deviation,
 }
 
-/// Which sides of triangles a picture leaves out.
+/// The sides of triangles that are not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CullArg {
     /// Both are drawn
@@ -106,7 +106,7 @@ pub enum CullArg {
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
-    let wrong = || "a size reads like 1280x960".to_owned();
+    let wrong = || "expected a size like 1280x960".to_owned();
     let (width, height) = text.split_once('x').ok_or_else(wrong)?;
     let size = [width.parse().map_err(|_| wrong())?, height.parse().map_err(|_| wrong())?];
     if size.contains(&0) { Err("a picture is at least 1x1 pixels".into()) } else { Ok(size) }
@@ -128,8 +128,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 
     let name = source.name();
     let options = RenderOptions {
-        show: shown(args.show),
-        cull: culling(args.cull),
+        show: render_style(args.show),
+        cull: cull_mode(args.cull),
         viewpoint,
         ..RenderOptions::default()
     };
@@ -141,7 +141,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let outcome = match against {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
         None if args.show == RenderMode::Comb => render_comb(&input, &options, &job),
-        None => render(&input, &options, fineness(args), &job),
+        None => render(&input, &options, tolerance(args), &job),
     };
     let outcome = outcome.spelled(&CommandLine).map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(format, out))?;
@@ -158,11 +158,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let lanes = report.certificate.overshade.as_ref().map(|_| {
         format!("lanes a pixel, light at 1, yellow 2, orange 4, red 8, darkest at {DARKEST_LANES} and more")
     });
-    let picture = scale.or(lanes).map_or(picture.clone(), |scale| format!("{picture}: {scale}"));
+    let legend = scale.or(lanes);
+    let picture = legend.map_or(picture.clone(), |legend| format!("{picture}: {legend}"));
     console.result(&report, &summary::render(&report, &picture, outcome.back_share), stdout)
 }
 
-/// The shape of `--against`, which `--show deviation` needs and nothing else takes.
+/// The shape of `--against`, which only `--show deviation` takes, and requires.
 fn against(args: &RenderArgs, job: &Job, console: &Console) -> Result<Option<Input>, Fault> {
     match (args.show, &args.against) {
         (RenderMode::Deviation, Some(file)) => {
@@ -170,7 +171,7 @@ fn against(args: &RenderArgs, job: &Job, console: &Console) -> Result<Option<Inp
             load::read_other(&args, job, console).map(Some)
         }
         (RenderMode::Deviation, None) => {
-            Err(Fault::usage("--show deviation needs --against FILE to measure from"))
+            Err(Fault::usage("--show deviation needs --against FILE, the shape to compare with"))
         }
         (_, Some(_)) => Err(Fault::usage("--against is for --show deviation")),
         (_, None) => Ok(None),
@@ -182,7 +183,7 @@ fn viewpoint(args: &RenderArgs) -> Result<Viewpoint, Fault> {
     match args.view {
         Some(View::Camera(camera)) => Ok(Viewpoint::Camera(camera)),
         Some(View::MinDistance(_)) => Err(Fault::usage(
-            "a picture is taken from one place: --view \"1280x960 fov=30 eye=4,-6,3 target=0,0,1\"",
+            "a picture needs a camera with a position: --view \"1280x960 fov=30 eye=4,-6,3 target=0,0,1\"",
         )),
         None => Ok(Viewpoint::Automatic(
             args.size.map_or(USUAL_SCREEN, |[width_px, height_px]| Screen { width_px, height_px }),
@@ -190,11 +191,11 @@ fn viewpoint(args: &RenderArgs) -> Result<Viewpoint, Fault> {
     }
 }
 
-fn fineness(args: &RenderArgs) -> Option<PictureTolerance> {
+fn tolerance(args: &RenderArgs) -> Option<PictureTolerance> {
     args.px.map(PictureTolerance::Pixels).or(args.tol.map(PictureTolerance::Length))
 }
 
-fn shown(show: RenderMode) -> Shown {
+fn render_style(show: RenderMode) -> Shown {
     match show {
         RenderMode::Shaded => Shown::Shaded,
         RenderMode::Flat => Shown::Flat,
@@ -202,12 +203,12 @@ fn shown(show: RenderMode) -> Shown {
         RenderMode::Normals => Shown::Normals,
         RenderMode::Zebra => Shown::Zebra,
         RenderMode::Overshade => Shown::Overshade,
-        // Colours over light; strips, whose style is their own.
+        // Distances are colours that are shaded as well; combs are drawn by `render_comb` in its own style.
         RenderMode::Deviation | RenderMode::Comb => Shown::Shaded,
     }
 }
 
-/// The format that the name says; PNG where it says none, as for stdout.
+/// The format of the file extension; PNG without one, as for stdout.
 fn picture_format(path: &Path) -> Result<PictureFormat, Fault> {
     let Some(extension) = path.extension() else { return Ok(PictureFormat::default()) };
     PictureFormat::from_extension(&extension.to_string_lossy()).ok_or_else(|| {
@@ -218,7 +219,7 @@ fn picture_format(path: &Path) -> Result<PictureFormat, Fault> {
     })
 }
 
-fn culling(cull: CullArg) -> Culled {
+fn cull_mode(cull: CullArg) -> Culled {
     match cull {
         CullArg::None => Culled::None,
         CullArg::Back => Culled::Back,

@@ -1,52 +1,52 @@
-//! What a mesh can be required to be, and what is said where it is not.
+//! Properties that can be required of a mesh, and the messages if it lacks them.
 use crate::inspect_text::witness_texts;
 use crate::numbers::grouped;
 use chordal::check::Defect;
 use chordal_verbs::report::ValidityFacts;
 use clap::ValueEnum;
 
-/// What a mesh can be required to be.
+/// A property that can be required of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Requirement {
     /// Closed, manifold, oriented, outward and free of self-intersections
     Solid,
-    /// There are triangles, and no edge has one only
+    /// There are triangles, and no edge has only one
     Closed,
-    /// No edge has more than two triangles, and no vertex more than one fan of them
+    /// No edge has more than two triangles, and no vertex more than one fan of triangles
     Manifold,
     /// No edge has more than two triangles
     EdgeManifold,
     /// No vertex has more than one fan of triangles
     VertexManifold,
-    /// Neighbours agree on which side is out
+    /// Neighbouring triangles are wound consistently
     Oriented,
-    /// Neighbours could agree on which side is out
+    /// Neighbouring triangles could be wound consistently
     Orientable,
-    /// Every component has its material inside, cavities outside
+    /// Every component faces away from its material, cavities inwards
     Outward,
-    /// All triangles hang together by edges
+    /// All triangles are connected by edges
     SingleComponent,
-    /// No triangles cross, overlap or touch where they should not
+    /// No triangles cross, overlap or touch without being neighbours
     NoSelfIntersections,
     /// No vertex lies in the middle of an edge
     NoTJunctions,
-    /// No triangle is without area
+    /// Every triangle has an area
     NoDegenerate,
-    /// No triangle is there twice, and no two vertices are at one place
+    /// No two triangles have the same vertices, and no two vertices the same position
     NoDuplicates,
     /// No triangle is 100 times longer than high
     NoSlivers,
-    /// Every vertex has a triangle
+    /// Every vertex is used by a triangle
     NoUnused,
 }
 
 impl Requirement {
-    /// Whether it takes the search for self-intersections.
+    /// Whether checking it needs the search for self-intersections.
     pub fn needs_deep_check(self) -> bool {
         matches!(self, Self::Solid | Self::NoSelfIntersections)
     }
 
-    /// The same, as requirements of one thing each.
+    /// The single requirements that this one combines; empty if it is a single one.
     fn parts(self) -> &'static [Self] {
         match self {
             Self::Solid => &[
@@ -63,9 +63,9 @@ impl Requirement {
     }
 }
 
-/// What is wrong, one sentence for each thing that was required, each once.
+/// The requirements that are not met, one sentence each, without repetitions.
 ///
-/// Nothing that can be required holds where there is no surface.
+/// Without a surface no requirement is met.
 pub fn failures(valid: &ValidityFacts, required: &[Requirement]) -> Vec<String> {
     if !required.is_empty() && valid.counts.edges == 0 {
         let why = match valid.counts.collapsed_faces {
@@ -74,8 +74,8 @@ pub fn failures(valid: &ValidityFacts, required: &[Requirement]) -> Vec<String> 
         };
         return vec![why.to_owned()];
     }
-    let single = required.iter().flat_map(|whole| match whole.parts() {
-        [] => vec![*whole],
+    let single = required.iter().flat_map(|requirement| match requirement.parts() {
+        [] => vec![*requirement],
         parts => parts.to_vec(),
     });
     let mut lines: Vec<String> = Vec::new();
@@ -89,7 +89,7 @@ pub fn failures(valid: &ValidityFacts, required: &[Requirement]) -> Vec<String> 
 
 fn failure(valid: &ValidityFacts, required: Requirement) -> Vec<String> {
     let (counts, anatomy) = (&valid.counts, valid.anatomy.as_ref());
-    let of = |what: &str, defects: &[Defect]| -> Vec<String> {
+    let texts = |what: &str, defects: &[Defect]| -> Vec<String> {
         defects.iter().filter_map(|defect| counted(valid, what, *defect)).collect()
     };
     match required {
@@ -97,23 +97,23 @@ fn failure(valid: &ValidityFacts, required: Requirement) -> Vec<String> {
         Requirement::Closed if !counts.closed && counts.boundary_edges == 0 => {
             vec!["not closed: every triangle of a part is collapsed".to_owned()]
         }
-        Requirement::Closed => of("not closed", &[Defect::BoundaryEdges]),
-        Requirement::EdgeManifold => of("not manifold", &[Defect::NonManifoldEdges]),
-        Requirement::VertexManifold => of("not manifold", &[Defect::NonManifoldVertices]),
-        Requirement::Oriented => of("not oriented", &[Defect::InconsistentEdges]),
+        Requirement::Closed => texts("not closed", &[Defect::BoundaryEdges]),
+        Requirement::EdgeManifold => texts("not manifold", &[Defect::NonManifoldEdges]),
+        Requirement::VertexManifold => texts("not manifold", &[Defect::NonManifoldVertices]),
+        Requirement::Oriented => texts("not oriented", &[Defect::InconsistentEdges]),
         Requirement::Orientable if !counts.orientable => {
-            vec!["not orientable: a component has one side only, as a Möbius strip".to_owned()]
+            vec!["not orientable: a component has only one side, like a Möbius strip".to_owned()]
         }
         Requirement::Orientable => Vec::new(),
         Requirement::Outward => match anatomy.and_then(|anatomy| anatomy.outward) {
             Some(true) => Vec::new(),
-            Some(false) => of("not outward", &[Defect::InsideOut]),
+            Some(false) => texts("not outward", &[Defect::InsideOut]),
             None if !counts.closed || !counts.oriented => {
-                vec!["not outward: a component has no inside, or none that is decided".to_owned()]
+                vec!["not outward: a component has no inside, or its inside is not decided".to_owned()]
             }
             None => vec![
-                "not outward: which side is out is not decided: a component has no volume, or lies on another, or a \
-                 part lies within another"
+                "not outward: the outer side is not decided: a component has no volume or lies on another, or a part \
+                lies within another"
                     .to_owned(),
             ],
         },
@@ -122,22 +122,22 @@ fn failure(valid: &ValidityFacts, required: Requirement) -> Vec<String> {
         }
         Requirement::SingleComponent => Vec::new(),
         Requirement::NoSelfIntersections if valid.count(Defect::SelfIntersections).is_none() => {
-            vec!["self-intersections are not known: the parts cannot be put in one space".to_owned()]
+            vec!["self-intersections are not known: the parts cannot be placed in one space".to_owned()]
         }
-        Requirement::NoSelfIntersections => of("self-intersecting", &[Defect::SelfIntersections]),
-        Requirement::NoTJunctions => of("T-junctions", &[Defect::TJunctions]),
-        Requirement::NoDegenerate => of("degenerate", &[Defect::ZeroAreaFaces]),
-        Requirement::NoDuplicates => of("duplicates", &[Defect::DuplicateFaces, Defect::DuplicateVertices]),
-        Requirement::NoSlivers => of("slivers", &[Defect::Slivers]),
-        Requirement::NoUnused => of("unused", &[Defect::UnusedVertices]),
+        Requirement::NoSelfIntersections => texts("self-intersecting", &[Defect::SelfIntersections]),
+        Requirement::NoTJunctions => texts("T-junctions", &[Defect::TJunctions]),
+        Requirement::NoDegenerate => texts("degenerate", &[Defect::ZeroAreaFaces]),
+        Requirement::NoDuplicates => texts("duplicates", &[Defect::DuplicateFaces, Defect::DuplicateVertices]),
+        Requirement::NoSlivers => texts("slivers", &[Defect::Slivers]),
+        Requirement::NoUnused => texts("unused", &[Defect::UnusedVertices]),
     }
 }
 
 /// `not closed: 3 boundary edges, the first is edge 0-1 of triangle 0 at (0.5, 0, 0)`
 fn counted(valid: &ValidityFacts, what: &str, defect: Defect) -> Option<String> {
     let count = valid.count(defect).filter(|count| *count > 0)?;
-    let [one, several] = defect.words();
-    let words = if count == 1 { one } else { several };
+    let [singular, plural] = defect.words();
+    let words = if count == 1 { singular } else { plural };
     let place = match witness_texts(defect.name(), valid).next() {
         Some(place) if count == 1 => format!(", {place}"),
         Some(place) => format!(", the first is {place}"),

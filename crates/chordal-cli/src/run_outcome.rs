@@ -1,14 +1,14 @@
-//! What is said of a run of a verb: the facts of its report, or the fault.
+//! The outcome of a run of a verb: the facts for its report, or the error.
 use crate::fault::{Exit, Fault};
 use chordal_verbs::MeshFailure;
 use chordal_verbs::report::RunFacts;
 
-/// A run of a verb that made one thing of another and wrote it.
+/// The facts of a run that turned an input into an output.
 pub fn facts(verb: &'static str, input: String, output: String, bytes: u64) -> RunFacts {
     RunFacts { verb, input: Some(input), output: Some(output), bytes: Some(bytes), ..RunFacts::default() }
 }
 
-/// The fault of a verb that failed on the input of that name. `best` is said where a best result is at hand.
+/// The error of a verb that failed on an input. `best` is appended if there is a best result.
 pub fn fault(name: &str, failure: &MeshFailure, best: &str) -> Fault {
     let exit = match failure.exit_code() {
         2 => Exit::Usage,

@@ -1,5 +1,5 @@
-//! What Ctrl-C and SIGTERM do: stop the job, remove what is unfinished, end processes that were started, exit
-//! with 130.
+//! The handler of Ctrl-C and SIGTERM: it stops the job, removes unfinished outputs, ends child processes, and
+//! exits with 130.
 use crate::fault::Exit;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -7,65 +7,65 @@ use std::process::{Child, Command};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// A file or a folder that a signal removes.
+/// A file or a folder that the handler removes.
 struct UnfinishedOutput {
     path: PathBuf,
     remove: RemoveOutput,
 }
 
-/// How it is removed.
+/// Removes an unfinished output.
 pub type RemoveOutput = Box<dyn Fn(&Path) + Send>;
 
-/// What is unfinished, in the order in which it was made. Whoever holds the lock may rename or remove it; the
-/// handler holds it until the exit, so that nothing is committed after "interrupted" was said, and no failure
-/// told.
+/// Unfinished outputs, in the order of their creation. Outputs are renamed or removed only under this lock.
+/// The handler holds it until the exit, so that after "interrupted" nothing is committed and no error is
+/// printed.
 static UNFINISHED: Mutex<Vec<UnfinishedOutput>> = Mutex::new(Vec::new());
 
 fn unfinished() -> MutexGuard<'static, Vec<UnfinishedOutput>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Creates what a signal removes, such that a signal comes either before there is one or after it is named: in
-/// between it would stay.
+/// Creates an unfinished output under the lock: a signal between its creation and its registration would
+/// leave it behind.
 pub fn create_unfinished<T>(
     path: &Path,
     remove: RemoveOutput,
     create: impl FnOnce() -> io::Result<T>,
 ) -> io::Result<T> {
     let mut guard = unfinished();
-    let made = create()?;
+    let output = create()?;
     guard.push(UnfinishedOutput { path: path.to_owned(), remove });
-    Ok(made)
+    Ok(output)
 }
 
-/// A file is removed by its name.
+/// Removes a file.
 pub fn remove_file(path: &Path) {
     let _ = std::fs::remove_file(path);
 }
 
-/// Says that there is nothing of this name to remove any more.
+/// Unregisters an output that is finished or removed.
 pub fn forget_unfinished(path: &Path) {
     unfinished().retain(|output| output.path != path);
 }
 
-/// Runs `commit` such that a signal comes either before it or after it.
+/// Runs `commit` so that the handler runs either before it or after it.
 pub fn without_interruption<T>(commit: impl FnOnce() -> T) -> T {
     let guard = unfinished();
-    let done = commit();
+    let result = commit();
     drop(guard);
-    done
+    result
 }
 
-/// A process that was started, which its waiter and the handler share.
+/// A child process, shared between its waiter and the handler.
 pub type SharedChild = Arc<Mutex<Child>>;
 
-/// What a signal ends and removes. The handler holds the lock until the exit, so that nothing is started
-/// after it.
+/// The child processes that the handler ends. It holds the lock until the exit, so that no further one is
+/// started.
 static STARTED: Mutex<StartedChildren> = Mutex::new(StartedChildren { running: Vec::new(), folder: None });
 
 struct StartedChildren {
     running: Vec<SharedChild>,
-    /// Where the processes write, and nothing else stands.
+    /// The folder that only these processes write to.
     folder: Option<PathBuf>,
 }
 
@@ -73,52 +73,53 @@ fn started() -> MutexGuard<'static, StartedChildren> {
     STARTED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Names the folder that a signal removes once the processes are ended.
+/// Sets the folder that the handler removes once the processes have ended.
 pub fn set_work_folder(folder: Option<PathBuf>) {
     started().folder = folder;
 }
 
-/// Starts a process that a signal ends.
+/// Starts a process that the handler ends.
 ///
 /// # Errors
-/// When it cannot be started.
+/// If it cannot be started.
 pub fn start_child(command: &mut Command) -> io::Result<SharedChild> {
-    let mut all = started();
+    let mut children = started();
     let child = Arc::new(Mutex::new(command.spawn()?));
-    all.running.push(Arc::clone(&child));
+    children.running.push(Arc::clone(&child));
     Ok(child)
 }
 
-/// Says that a process is over.
+/// Unregisters a process that has ended.
 pub fn forget_child(child: &SharedChild) {
     started().running.retain(|other| !Arc::ptr_eq(other, child));
 }
 
-/// Ends all processes, waits for their end, and removes what they wrote.
-fn end_children(all: &mut StartedChildren) {
-    for child in &all.running {
+/// Kills all processes, waits for their end, and removes their folder.
+fn end_children(children: &mut StartedChildren) {
+    for child in &children.running {
         let mut child = child.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = child.kill();
         let _ = child.wait();
     }
-    if let Some(folder) = all.folder.take() {
+    if let Some(folder) = children.folder.take() {
         let _ = std::fs::remove_dir_all(folder);
     }
 }
 
-/// What the abort of a failed allocation writes to stdout, once something is to be written: prepared in advance, for
-/// the handler may not allocate.
-static SAID_OF_ABORTS: OnceLock<Vec<u8>> = OnceLock::new();
+/// The text that the handler of an abort writes to stdout, if any. Prepared in advance, since the handler
+/// must not allocate.
+static ABORT_TEXT: OnceLock<Vec<u8>> = OnceLock::new();
 
-/// Makes an exit code of the abort with which a failed allocation ends the process. Lists whose length a file decides
-/// are reserved in advance and end in a sentence; this is for the small ones between them. Where the runtime aborts for
-/// another reason (a stack that ran over) it has said so on stderr, and the code is the same.
+/// Makes the abort after a failed allocation end with an exit code. Lists whose length depends on a file are
+/// reserved in advance, and their failure ends with a message; this is for all smaller allocations. If the
+/// runtime aborts for another reason, as a stack overflow, it has printed so to stderr, and the code is the
+/// same.
 ///
-/// What is unfinished stays under its own name, as after a kill: nothing may be allocated any more to remove it.
+/// Unfinished outputs stay under their temporary names, as after a kill: removing them would allocate.
 #[cfg(unix)]
 pub fn end_aborts_with_a_code() {
-    let say = || {
-        let mut rest = SAID_OF_ABORTS.get().map_or(&[][..], |text| &text[..]);
+    let write_text = || {
+        let mut rest = ABORT_TEXT.get().map_or(&[][..], |text| &text[..]);
         while let Ok(written) = rustix::io::write(rustix::stdio::stdout(), rest) {
             rest = &rest[written..];
             if rest.is_empty() || written == 0 {
@@ -126,33 +127,34 @@ pub fn end_aborts_with_a_code() {
             }
         }
     };
-    // SAFETY: `say` reads what was written before it was shared, and makes system calls for writing. It neither allocates
-    // nor locks nor panics.
-    let _ = unsafe { signal_hook::low_level::register(libc::SIGABRT, say) };
+    // SAFETY: `write_text` only reads a text that is set once, and makes `write` system calls. It neither
+    // allocates nor locks nor panics.
+    let _ = unsafe { signal_hook::low_level::register(libc::SIGABRT, write_text) };
     let always = Arc::new(AtomicBool::new(true));
-    // Actions run in the order in which they were registered. A system without such a handler keeps its own.
+    // Actions run in the order of registration, so the text is written before the exit. If registering fails,
+    // the system's own handling stays.
     let _ = signal_hook::flag::register_conditional_shutdown(libc::SIGABRT, Exit::Budget as i32, always);
 }
 
-/// From now on such an abort writes this to stdout first.
+/// Sets the text that an abort writes to stdout.
 pub fn say_of_aborts(text: String) {
-    let _ = SAID_OF_ABORTS.set(text.into_bytes());
+    let _ = ABORT_TEXT.set(text.into_bytes());
 }
 
-/// Other systems have no such signal.
+/// Other systems have no SIGABRT.
 #[cfg(not(unix))]
 pub fn end_aborts_with_a_code() {}
 
 /// Installs the handler. It does not wait for the job, which could be in a long step or in a blocking read.
 ///
-/// A second handler, or a system without signals, is no reason to fail: then the system's own handling stays,
-/// and what a kill leaves behind is at most the unfinished file under its own name.
+/// A failure, as with a second handler or without signals, is ignored: then the system's own handling stays,
+/// and a kill leaves at most an unfinished file under its temporary name.
 pub fn install(cancel: Arc<AtomicBool>) {
     let _ = ctrlc::set_handler(move || {
         cancel.store(true, Ordering::Relaxed);
-        let all = unfinished();
-        // What was made last may stand in what was made before.
-        all.iter().rev().for_each(|output| (output.remove)(&output.path));
+        let outputs = unfinished();
+        // In reverse order, since a later output may be inside an earlier one.
+        outputs.iter().rev().for_each(|output| (output.remove)(&output.path));
         let mut children = started();
         end_children(&mut children);
         let _ = writeln!(std::io::stderr(), "chordal: interrupted");

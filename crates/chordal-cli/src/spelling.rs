@@ -1,8 +1,8 @@
 //! `CommandLine`: how the command spells settings, as options.
 use chordal::budget::advice::{Setting, Spelling};
 
-/// Settings as options of the command. Every shell spells certificates so, for their bytes are the same
-/// wherever they are made.
+/// Settings as options of the command. Python and the browser spell them so in certificates too: the bytes of
+/// a certificate do not depend on where it was made.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandLine;
 
@@ -10,10 +10,10 @@ impl Spelling for CommandLine {
     fn spell(&self, setting: Setting, value: Option<&str>) -> String {
         let option = format!("--{}", setting.name());
         match (setting, value) {
-            // Fields are made in Python as often as in scripts, and the package has the command, too.
+            // The command also comes with the Python package, where fields are often built without a script.
             (Setting::Region, Some(corners)) => format!("{option} \"{corners}\", in Python within()"),
             (Setting::View, Some(view)) => format!("{option} \"{view}\""),
-            // Their values may be left out, so that the sign has to tie one.
+            // Its value is optional, so it has to follow a `=`.
             (Setting::Cure(_), Some(value)) => format!("{option}={value}"),
             (_, Some(value)) => format!("{option} {value}"),
             (_, None) => option,

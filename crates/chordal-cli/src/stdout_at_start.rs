@@ -1,16 +1,18 @@
-//! What descriptor 1 was when the process was started: open, or closed.
+//! Whether descriptor 1 was open when the process was started.
 //!
-//! Rust's runtime opens `/dev/null` in the place of closed descriptors before `main`, to be read and written. So do
-//! Python's `subprocess.DEVNULL` and Node's `'ignore'`, and what they discard is written well: afterwards nothing
-//! tells the two apart. Hence the program looks before the runtime does.
+//! Before `main`, Rust's runtime opens `/dev/null` for reading and writing in place of closed descriptors.
+//! Python's `subprocess.DEVNULL` and Node's `'ignore'` do the same on purpose, and writing there is no error.
+//! Afterwards the two cases look the same, so the program checks the descriptor before the runtime replaces
+//! it.
 use std::sync::OnceLock;
 
-/// Whether nothing was open at 1 when it was first looked at.
+/// Whether descriptor 1 was closed at the first check.
 static WAS_CLOSED: OnceLock<bool> = OnceLock::new();
 
-/// Looks at descriptor 1, the first time that it is called. The program of this crate calls it before `main`. In the
-/// process of another language, whose runtime fills no gaps, a verb is early enough; the gaps are filled then, as
-/// Rust's runtime does it, so that no file which is opened later takes the number of stdout and gets the report.
+/// Checks descriptor 1, at the first call. The program of this crate calls it before `main`. In a process of
+/// another language, whose runtime does not replace closed descriptors, the start of a verb is early enough.
+/// Closed descriptors are then opened as Rust's runtime does, so that no file opened later gets the number of
+/// stdout and the report.
 pub fn look_at_stdout() {
     WAS_CLOSED.get_or_init(|| {
         let is_closed = descriptor::is_closed();
@@ -19,13 +21,13 @@ pub fn look_at_stdout() {
     });
 }
 
-/// Whether the process was started with stdout closed, as far as anything looked early enough.
+/// Whether the process was started with stdout closed; false if nothing checked it.
 pub fn was_closed() -> bool {
     WAS_CLOSED.get().copied().unwrap_or(false)
 }
 
-/// Whether stdout can be read and not written: a file that is open for reading, or a folder. The standard library
-/// takes the error of such a write for a success. Of `/dev/null` it is one: what it gets is discarded anyway.
+/// Whether stdout is read-only: a file opened for reading, or a folder. The standard library treats the error
+/// of such a write as a success. For `/dev/null` that is right, since it discards everything.
 pub fn cannot_be_written() -> bool {
     descriptor::is_read_only() && !descriptor::is_null_device()
 }
@@ -43,7 +45,7 @@ mod descriptor {
     }
 
     pub fn fill_gaps() {
-        // A new descriptor gets the lowest number that is free; 2 is stderr, the last of the three.
+        // A new descriptor gets the lowest free number; 2 is stderr, the last of the three.
         while let Ok(null) = OpenOptions::new().read(true).write(true).open("/dev/null") {
             if null.as_raw_fd() > 2 {
                 break;
@@ -57,9 +59,9 @@ mod descriptor {
     }
 
     pub fn is_null_device() -> bool {
-        let both = fstat(stdout()).and_then(|own| Ok((own, stat("/dev/null")?)));
-        both.is_ok_and(|(own, null)| {
-            FileType::from_raw_mode(own.st_mode) == FileType::CharacterDevice && own.st_rdev == null.st_rdev
+        let stats = fstat(stdout()).and_then(|out| Ok((out, stat("/dev/null")?)));
+        stats.is_ok_and(|(out, null)| {
+            FileType::from_raw_mode(out.st_mode) == FileType::CharacterDevice && out.st_rdev == null.st_rdev
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Reports for people: a few aligned lines.
+//! Summaries of reports for people: a few aligned lines.
 use crate::numbers::{RoundingDirection, grouped, short, size};
 use chordal_verbs::report::{
     AttributeFacts, BooleanFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts,
@@ -6,7 +6,7 @@ use chordal_verbs::report::{
 };
 use std::fmt::Write;
 
-/// Lines of a name and a value, the values below each other.
+/// Lines of a name and a value, with aligned values.
 pub(crate) struct SummaryLines(pub String);
 
 impl SummaryLines {
@@ -14,7 +14,7 @@ impl SummaryLines {
         Self(format!("{title}\n"))
     }
 
-    /// What was made of what.
+    /// The title: input and output.
     pub fn of_run(run: &RunFacts) -> Self {
         let name = |name: &Option<String>| name.clone().unwrap_or_default();
         Self::titled(&format!("{} -> {}", name(&run.input), name(&run.output)))
@@ -36,7 +36,7 @@ impl SummaryLines {
         self.0
     }
 
-    /// The text, with how much was written and how long it took.
+    /// The text, with the size of the output and the duration.
     pub fn finish_run(mut self, run: &RunFacts) -> String {
         self.add_if("size", run.bytes.map(size));
         self.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
@@ -44,7 +44,7 @@ impl SummaryLines {
     }
 }
 
-/// What `mesh` did.
+/// The summary of `mesh`.
 pub fn mesh(report: &Report) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
     let mut lines = SummaryLines::of_run(run);
@@ -52,11 +52,11 @@ pub fn mesh(report: &Report) -> String {
         add_output(&mut lines, output);
     }
     if let Some(refined) = &certificate.refined {
-        let left =
+        let sharpness =
             format!("{} and {} left", plural(refined.creases, "crease"), plural(refined.corners, "corner"));
         lines.add(
             "refined",
-            format!("{} of {}, {left}", plural(u64::from(refined.levels), "round"), refined.scheme),
+            format!("{} of {}, {sharpness}", plural(u64::from(refined.levels), "round"), refined.scheme),
         );
     }
     if let Some(facts) = &certificate.boolean {
@@ -86,32 +86,37 @@ pub fn mesh(report: &Report) -> String {
     certificate.stayed.iter().for_each(|note| lines.add("stayed", &**note));
     certificate.warned.iter().for_each(|note| lines.add("note", &**note));
     if let Some(valid) = &certificate.valid {
-        soundness(&mut lines, valid);
+        add_validity(&mut lines, valid);
     }
     lines.finish_run(run)
 }
 
-/// What was combined, and how.
+/// The operations of a Boolean and their method.
 fn combined(facts: &BooleanFacts) -> String {
     let ops: Vec<&str> = facts.operands.iter().filter_map(|operand| operand.op).collect();
-    let from: Vec<String> = facts.operands.iter().map(|operand| grouped(operand.kept)).collect();
-    format!("by {}, in {} arithmetic; triangles of each: {}", ops.join(", "), facts.method, from.join(", "))
+    let kept: Vec<String> = facts.operands.iter().map(|operand| grouped(operand.kept)).collect();
+    format!(
+        "by {}, in {} arithmetic; triangles kept of each: {}",
+        ops.join(", "),
+        facts.method,
+        kept.join(", ")
+    )
 }
 
-/// What smoothing cost.
+/// The effect of smoothing.
 fn smoothed(facts: &SmoothingFacts) -> String {
     let most =
         facts.at_most.map_or_else(|| "any length".to_owned(), |most| short(most, RoundingDirection::Up));
     let least = short(facts.at_least, RoundingDirection::Down);
     format!(
-        "{} samples changed sides, where {} were inside; the surface is between {least} and {most} off ({})",
+        "{} samples changed sides, {} were inside before; the surface moved by {least} to {most} ({})",
         grouped(facts.changed),
         grouped(facts.inside),
         facts.evidence
     )
 }
 
-/// What a picture shows.
+/// The summary of `render`.
 pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
     let mut lines = SummaryLines::of_run(run);
@@ -131,7 +136,7 @@ pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String
 }
 
 fn overshade(lines: &mut SummaryLines, facts: &OvershadeFacts) {
-    let share = |part: u64, of: u64| if of == 0 { 0.0 } else { 100.0 * part as f64 / of as f64 };
+    let share = |part: u64, total: u64| if total == 0 { 0.0 } else { 100.0 * part as f64 / total as f64 };
     let [in_view, missed, micro] = [facts.in_view, facts.missed, facts.micro];
     lines.add("in view", plural(in_view, "triangle"));
     lines.add("tiny", format!("{:.1}% are smaller than a pixel", share(micro, in_view)));
@@ -165,12 +170,13 @@ pub(crate) fn add_output(lines: &mut SummaryLines, output: &Output) {
 
 fn triangles(lines: &mut SummaryLines, output: &TriangleFacts) {
     lines.add("triangles", grouped(output.triangles));
-    let apart = output.vertices != output.positions;
-    let at = if apart { format!(" at {} positions", grouped(output.positions)) } else { String::new() };
-    lines.add("vertices", grouped(output.vertices) + &at);
+    let has_splits = output.vertices != output.positions;
+    let positions =
+        if has_splits { format!(" at {} positions", grouped(output.positions)) } else { String::new() };
+    lines.add("vertices", grouped(output.vertices) + &positions);
 }
 
-fn soundness(lines: &mut SummaryLines, valid: &ValidityFacts) {
+fn add_validity(lines: &mut SummaryLines, valid: &ValidityFacts) {
     let counts = &valid.counts;
     lines.add(
         "closed",
@@ -197,8 +203,8 @@ fn no(why: &[(u64, &str)]) -> String {
 
 /// `1 edge of this`, `2 edges of this`, `2 vertices of that`.
 pub(crate) fn plural(count: u64, what: &str) -> String {
-    let tail = [" of ", " within "].iter().find_map(|word| what.find(word)).unwrap_or(what.len());
-    let (noun, rest) = what.split_at(tail);
+    let noun_end = [" of ", " within "].iter().find_map(|word| what.find(word)).unwrap_or(what.len());
+    let (noun, rest) = what.split_at(noun_end);
     let noun = match (count, noun.strip_suffix("ex")) {
         (1, _) => noun.to_owned(),
         (_, Some(stem)) => format!("{stem}ices"),
@@ -207,21 +213,21 @@ pub(crate) fn plural(count: u64, what: &str) -> String {
     format!("{} {noun}{rest}", grouped(count))
 }
 
-/// How far one attribute went off.
+/// The error of an attribute.
 pub fn attribute(facts: &AttributeFacts) -> String {
     let unit = if facts.unit == "degrees" { " degrees" } else { "" };
-    let off = facts.largest.zip(facts.rms).map_or("by what is no number".to_owned(), |(largest, rms)| {
+    let error = facts.largest.zip(facts.rms).map_or("by a non-finite amount".to_owned(), |(largest, rms)| {
         format!(
             "up to {}{unit}, {} root mean square",
             short(largest, RoundingDirection::Up),
             short(rms, RoundingDirection::Up)
         )
     });
-    format!("{} off {off} (measured)", facts.name)
+    format!("{} off {error} (measured)", facts.name)
 }
 
-/// Of which side a bound is, where it is not of both: what was added, as by filling a hole, is not near
-/// anything of the source. And what it says of solids that were cut along each other.
+/// The restriction of a bound that is not two-sided: added surfaces, as of filled holes, are far from the
+/// source. A bound of a Boolean is for the sides of points.
 pub(crate) fn one_way_note(metric: &str) -> &'static str {
     match metric {
         "one-sided" => ", of the source; what was added is not counted",

@@ -1,7 +1,8 @@
-//! `TempOutput`: a file so that its name only ever shows a complete one: written aside, synced, renamed.
+//! `TempOutput`: an output file that is written under a temporary name, synced and renamed, so that it is
+//! never seen incomplete.
 //!
-//! What a kill at any moment can leave behind is a file `.chordal-….tmp` beside the output; never half an
-//! output. Outputs of several files are in `output_set.rs` and `output_folder.rs`.
+//! A kill leaves at most a file `.chordal-….tmp` beside the output, never half an output. Outputs of several
+//! files are in `output_set_write.rs` and `output_folder.rs`.
 use crate::fault::{Fault, plainly};
 use crate::host;
 use crate::overwrite::{OverwritePolicy, exists, parent, refuse_occupied};
@@ -11,7 +12,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// What fills an output.
+/// Writes the content of an output.
 pub type OutputWriter<'a> = &'a mut dyn FnMut(&mut dyn Write) -> Result<(), WriteError>;
 
 /// A file beside the output, removed again unless it is committed.
@@ -21,17 +22,17 @@ pub struct TempOutput {
 }
 
 impl TempOutput {
-    /// Creates it in the folder of `output`, under a name that nothing has.
+    /// Creates the file in the folder of `output`, under an unused name.
     ///
     /// # Errors
-    /// When the folder cannot be written.
+    /// If the folder cannot be written.
     pub fn create(output: &Path) -> Result<Self, Fault> {
         let folder = parent(output);
         let failed = |error: &io::Error| {
             let what = format!("{}: cannot write into {}", output.display(), folder.display());
             Fault::output("unwritable", format!("{what}: {}", plainly(error)))
         };
-        // Another process can have the name only if it had this one's number before and was killed.
+        // A name is taken only if an earlier process of the same number was killed.
         for attempt in 0..1000 {
             let path = folder.join(format!(".chordal-{}-{attempt}.tmp", host::process_number()));
             match signal::create_unfinished(&path, Box::new(signal::remove_file), || File::create_new(&path))
@@ -44,15 +45,15 @@ impl TempOutput {
         Err(failed(&io::ErrorKind::AlreadyExists.into()))
     }
 
-    /// Its own name.
+    /// The temporary path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes what `fill` makes, down to the disk, and returns the number of bytes.
+    /// Writes the output of `fill`, syncs it, and returns the number of bytes.
     ///
     /// # Errors
-    /// When `fill` or the system fails.
+    /// If `fill` or the system fails.
     pub fn fill(&mut self, fill: OutputWriter) -> Result<u64, WriteError> {
         let mut buffer = BufWriter::with_capacity(1 << 20, &self.file);
         fill(&mut buffer)?;
@@ -62,9 +63,9 @@ impl TempOutput {
         Ok(self.file.metadata()?.len())
     }
 
-    /// Gives the file its name, in one step.
+    /// Renames the file to the output, in one step.
     pub fn commit(self, output: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
-        // Asked again: the work may have taken long.
+        // Checked again, since it may have changed during the work.
         refuse_occupied(output, existing)?;
         let renamed = signal::without_interruption(|| match existing {
             OverwritePolicy::Replace => {
@@ -84,23 +85,25 @@ impl TempOutput {
 
 impl Drop for TempOutput {
     fn drop(&mut self) {
-        // After a commit the name is gone and there is nothing to remove.
+        // After a commit nothing has this name, and the removal fails harmlessly.
         let _ = fs::remove_file(&self.path);
         signal::forget_unfinished(&self.path);
     }
 }
 
-/// Who could read the old file or folder can read the new one. Where that cannot be kept, the data still is.
+/// Copies the permissions of the old file or folder to the new one. A failure is ignored: the data matters
+/// more.
 pub fn keep_permissions(old: &Path, new: &Path) {
     if let Ok(old) = fs::metadata(old) {
         let _ = fs::set_permissions(new, old.permissions());
     }
 }
 
-/// Renames only if nothing has the new name: a hard link cannot replace, a rename would.
+/// Renames only if nothing has the new name. It uses a hard link, which fails if the name exists; a rename
+/// would replace.
 ///
 /// # Errors
-/// When the system fails, or something has the name.
+/// If the system fails, or the name exists.
 pub fn rename_to_new(from: &Path, to: &Path) -> io::Result<()> {
     match fs::hard_link(from, to) {
         Ok(()) => fs::remove_file(from),
@@ -111,14 +114,14 @@ pub fn rename_to_new(from: &Path, to: &Path) -> io::Result<()> {
     }
 }
 
-/// Makes the new name itself survive a power cut, where the system lets a folder be synced.
+/// Makes the new name survive a power cut, if the system can sync folders.
 pub fn sync_folder(inside: &Path) {
     if let Ok(folder) = File::open(parent(inside)) {
         let _ = folder.sync_all();
     }
 }
 
-/// The fault of an output that cannot be written.
+/// The error for an output that cannot be written.
 pub fn unwritable(name: &str, error: &WriteError) -> Fault {
     let text = match error {
         WriteError::Io(error) => plainly(error),

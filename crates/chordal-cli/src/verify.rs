@@ -29,7 +29,7 @@ Examples:
   chordal verify small.glb --against cage.obj smooth.ply grid.nrrd again.ply
   chordal verify part.stl --against part.3mf --certificate report.json --json")]
 pub struct VerifyArgs {
-    /// The file that IN was made from; after several steps also the files in between, in any order
+    /// The source of IN; after several steps also the intermediate files, in any order
     #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
     pub against: Vec<PathBuf>,
 
@@ -37,8 +37,8 @@ pub struct VerifyArgs {
     #[arg(long, value_name = "REPORT")]
     pub certificate: Option<PathBuf>,
 
-    /// best: run every check to its end, however long that is. By default a check takes about as much work as
-    /// what it checks, and what is open then is not proved again
+    /// best: run every check to its end, however long that takes. By default a check gets about as much work
+    /// as making the result took; a claim that is open then counts as not re-proved
     #[arg(long, value_name = "HOW")]
     pub effort: Option<EffortArg>,
 
@@ -56,12 +56,12 @@ pub struct VerifyArgs {
     pub console: ConsoleArgs,
 }
 
-/// How far checks are taken.
+/// The effort of the checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EffortArg {
-    /// To the end, however long it takes
+    /// Until decided, however long it takes
     Best,
-    /// About as far as what they check
+    /// About as much work as making the result took
     Fast,
 }
 
@@ -74,22 +74,23 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     }
     let name = InputSource::from_arg(&args.input.input).name();
     let given = args.certificate.as_deref().map(read_report).transpose()?;
-    // What polygons stand for is said of inputs that were read as cages, and of nothing that was made of them.
-    let mut plain = args.input.clone();
-    plain.read.surface = None;
-    let mut out = load::read_other(&plain, &job, &console)?;
+    // --surface applies to inputs that were read as cages, not to the output that was made from them.
+    let mut output_args = args.input.clone();
+    output_args.read.surface = None;
+    let mut out = load::read_other(&output_args, &job, &console)?;
     let mut coarser = Vec::new();
     for level in 1..=n_coarser_levels(&out) {
-        coarser.push(load::read_other(&InputArgs { level, ..plain.clone() }, &job, &console)?);
+        coarser.push(load::read_other(&InputArgs { level, ..output_args.clone() }, &job, &console)?);
     }
-    let named = inputs_to_verify(&out, given.as_ref());
-    let is_cage =
-        |sha256: &str| named.iter().any(|of| of.sha256.as_deref() == Some(sha256) && of.kind == "cage");
+    let inputs = inputs_to_verify(&out, given.as_ref());
+    let is_cage = |sha256: &str| {
+        inputs.iter().any(|input| input.sha256.as_deref() == Some(sha256) && input.kind == "cage")
+    };
     let mut against = Vec::with_capacity(args.against.len());
     for path in &args.against {
-        let mut own = InputArgs { input: path.clone(), ..args.input.clone() };
-        own.read.from = None;
-        against.push(load::read_of_digest(&own, is_cage, &job, &console)?);
+        let mut source_args = InputArgs { input: path.clone(), ..args.input.clone() };
+        source_args.read.from = None;
+        against.push(load::read_of_digest(&source_args, is_cage, &job, &console)?);
     }
     args.volume.apply_to_all(std::iter::once(&mut out).chain(&mut against).map(|input| &mut input.shape))?;
     let report = verify_levels((&out, &coarser), given.as_ref(), &against, &job)
@@ -103,24 +104,25 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
 fn read_report(path: &Path) -> Result<Value, Fault> {
     let source = InputSource::File(path.to_owned());
     let bytes = source.read(MOST_BYTES)?;
-    serde_json::from_slice(&bytes)
-        .map_err(|error| Fault::input("not-json", format!("{}: this is no report: {error}", source.name())))
+    serde_json::from_slice(&bytes).map_err(|error| {
+        Fault::input("not-json", format!("{}: this is not a report: {error}", source.name()))
+    })
 }
 
-/// The most bytes of a report; chosen: a thousand times those of a usual one.
+/// The most bytes of a report. Chosen: a thousand times a usual one.
 const MOST_BYTES: u64 = 64 << 20;
 
 fn check(name: &str, report: &VerifyReport) -> Result<(), Fault> {
-    let (exit, code, how) = match report.verdict {
+    let (exit, code, verdict) = match report.verdict {
         ClaimVerdict::Proved => return Ok(()),
         ClaimVerdict::Refuted => (Exit::CheckFailed, "refuted", "is wrong"),
         ClaimVerdict::Open => (Exit::NotProved, "not-re-proved", "was not re-proved"),
     };
     let (claim, reason) = match report.worst() {
-        Some(worst) => (&worst.claim[..], worst.reason.as_deref().unwrap_or("no judge says why")),
+        Some(worst) => (&worst.claim[..], worst.reason.as_deref().unwrap_or("no reason is given")),
         None => ("certificate", "it claims nothing"),
     };
-    let line = format!("{name}: the claim '{claim}' {how}: {reason}");
+    let line = format!("{name}: the claim '{claim}' {verdict}: {reason}");
     Err(Fault { reported: true, ..Fault::new(exit, code, line) })
 }
 
@@ -130,7 +132,7 @@ fn summary_text(name: &str, report: &VerifyReport) -> String {
     for claim in &report.claims {
         lines.add(verdict_name(claim.verdict), claim_text(claim));
     }
-    let all = match report.verdict {
+    let verdict = match report.verdict {
         ClaimVerdict::Proved => "every claim was re-proved",
         ClaimVerdict::Open => "not every claim was re-proved",
         ClaimVerdict::Refuted => "a claim is wrong",
@@ -138,7 +140,7 @@ fn summary_text(name: &str, report: &VerifyReport) -> String {
     if !report.unchecked.is_empty() {
         lines.add("not checked", report.unchecked.join(", "));
     }
-    lines.add("verdict", all);
+    lines.add("verdict", verdict);
     lines.finish()
 }
 

@@ -1,4 +1,4 @@
-//! What verbs take for volumes: which surface of the samples is meant.
+//! Options for volumes: which surface of the samples to take.
 use crate::fault::Fault;
 use crate::options::TableArgs;
 use chordal_verbs::{Shape, SurfaceSpec};
@@ -7,10 +7,10 @@ use chordal_verbs::{Shape, SurfaceSpec};
 pub type VolumeArgs = TableArgs<SurfaceSpec>;
 
 impl VolumeArgs {
-    /// Tells a volume which surface of it is meant.
+    /// Applies the options to a volume.
     ///
     /// # Errors
-    /// When the shape is no volume and something is said of one.
+    /// If the shape is no volume and an option was given.
     pub fn apply(&self, shape: &mut Shape) -> Result<(), Fault> {
         let kind = shape.kind();
         match (self.apply_where_volume(shape), self.named()) {
@@ -21,10 +21,10 @@ impl VolumeArgs {
         }
     }
 
-    /// The same for the two shapes of a verb that compares: what is said holds for those that are volumes.
+    /// The same for the two shapes of a verb that compares: the options apply to those that are volumes.
     ///
     /// # Errors
-    /// When neither is one and something is said of one.
+    /// If neither is a volume and an option was given.
     pub fn apply_to_both(&self, [a, b]: [&mut Shape; 2]) -> Result<(), Fault> {
         let are_volumes = [self.apply_where_volume(a), self.apply_where_volume(b)];
         match self.named().filter(|_| !are_volumes.contains(&true)) {
@@ -36,7 +36,7 @@ impl VolumeArgs {
     /// The same for any number of shapes.
     ///
     /// # Errors
-    /// When none is one and something is said of one.
+    /// If none is a volume and an option was given.
     pub fn apply_to_all<'a>(&self, shapes: impl Iterator<Item = &'a mut Shape>) -> Result<(), Fault> {
         let n = shapes.filter_map(|shape| self.apply_where_volume(shape).then_some(())).count();
         match self.named().filter(|_| n == 0) {
@@ -47,12 +47,12 @@ impl VolumeArgs {
         }
     }
 
-    /// The first argument that was given.
+    /// The first option that was given.
     pub fn named(&self) -> Option<String> {
         self.first_given.map(|name| format!("--{name}"))
     }
 
-    /// Tells a volume which surface is meant; false where the shape is something else.
+    /// Applies the options to a volume; returns false for any other shape.
     fn apply_where_volume(&self, shape: &mut Shape) -> bool {
         let Shape::Volume(sampled) = shape else { return false };
         sampled.surface = SurfaceSpec::clone(self);

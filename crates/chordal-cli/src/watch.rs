@@ -1,5 +1,4 @@
-//! `--watch` of `chordal mesh`: meshes again whenever a file that the result was made of changes, until a signal
-//! ends the process.
+//! `--watch` of `chordal mesh`: meshes again whenever an input file changes, until a signal ends the process.
 use crate::console::{self, Console};
 use crate::execution;
 use crate::fault::{Exit, Fault};
@@ -16,17 +15,17 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, SystemTime};
 
-/// How often files are looked at. Chosen: sooner than one notices, and next to no work.
+/// The interval at which files are checked. Chosen: hardly noticeable as a delay, and next to no work.
 const INTERVAL: Duration = Duration::from_millis(150);
 
-/// Meshes, waits for a change, and so on.
+/// Meshes and waits for a change, in a loop.
 ///
 /// # Errors
-/// When the command line makes no sense or the output cannot be written: what a change of the input cannot mend.
+/// If the command line is invalid or the output cannot be written, which a change of the input cannot fix.
 pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let names = [&args.input.input, &args.output.output].into_iter().chain(args.boolean.paths());
     if names.into_iter().any(|name| name.as_os_str() == "-") {
-        return Err(Fault::usage("--watch needs files that it can look at again: '-' is none"));
+        return Err(Fault::usage("--watch needs files, which it reads again: '-' is none"));
     }
     let console = Console::new(&args.console);
     let files = WatchedFiles::default();
@@ -37,10 +36,10 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         for require in attempts(args) {
             match attempt(args, (require, existing), &files) {
                 Ok(()) => existing = OverwritePolicy::Replace,
-                // The files changed in the middle.
+                // A change of the files cancelled the job.
                 Err(fault) if fault.exit == Exit::Interrupted => break,
                 Err(fault) if matches!(fault.exit, Exit::Input | Exit::Budget) => {
-                    // The best result was written all the same.
+                    // The best result was written nevertheless.
                     if fault.reported {
                         existing = OverwritePolicy::Replace;
                     }
@@ -51,13 +50,13 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
             }
         }
         if !files.have_changed() {
-            console.say("waiting for a change; Ctrl-C ends");
+            console.say("waiting for a change; Ctrl-C stops");
         }
         files.wait_for_change();
     }
 }
 
-/// What evidence is asked for, one after the other: of a field a draft is there at once.
+/// The evidence to require, in order: a field gets a quick draft first.
 fn attempts(args: &MeshArgs) -> Vec<Option<RequiredEvidence>> {
     let name = args.input.input.to_string_lossy();
     let hint = FormatHint { name: Some(&name), format: args.input.read.from, ..FormatHint::default() };
@@ -78,24 +77,24 @@ fn attempt(
     let is_over = AtomicBool::new(false);
     thread::scope(|scope| {
         scope.spawn(|| files.cancel_on_change(&job, &is_over));
-        let made = mesh::run_once(
+        let result = mesh::run_once(
             args,
             &MeshRound { job: &job, existing, require, on_files: &|paths| files.add(paths) },
         );
         is_over.store(true, Ordering::Relaxed);
-        made
+        result
     })
 }
 
-/// Files, and as what they were read.
+/// The watched files, with their stamps when they were read.
 #[derive(Debug, Default)]
 struct WatchedFiles(Mutex<BTreeMap<PathBuf, Option<FileStamp>>>);
 
-/// When a file was changed last, and its size; `None` stands for no file.
+/// The modification time and the size of a file; `None` if there is no file.
 type FileStamp = (SystemTime, u64);
 
 impl WatchedFiles {
-    /// Names more files.
+    /// Watches more files.
     fn add(&self, paths: impl IntoIterator<Item = PathBuf>) {
         let mut files = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for path in paths {
@@ -118,12 +117,13 @@ impl WatchedFiles {
             if self.have_changed() {
                 return job.cancel();
             }
-            // As long as a short job takes at most, so that it does not wait for this.
+            // Shorter than the interval: the end of a job waits for this thread.
             thread::sleep(INTERVAL / 10);
         }
     }
 
-    /// Returns when files have changed, and change no more: editors write in several steps.
+    /// Returns when files have changed and then stayed the same for an interval: editors write in several
+    /// steps.
     fn wait_for_change(&self) {
         while !self.have_changed() {
             thread::sleep(INTERVAL);

@@ -31,7 +31,7 @@ fn a_proof_that_is_asked_for_and_not_found_is_a_failure_with_a_file() {
     let made = run(&[&asked[..], &["--json"]].concat());
     made.fails_with(
         5,
-        &["a.star: the budget was not met", "it is written all the same", "--require measured"],
+        &["a.star: the budget was not met", "the result is written nevertheless", "--require measured"],
     );
     assert_eq!(made.report()["certificate"]["bound"]["evidence"], "measured");
     assert!(folder.path("a.ply").exists());

@@ -72,7 +72,7 @@ fn a_mesh_with_a_hole_says_that_it_is_no_solid() {
     let run = run(&["bake", &input, "--cells", "8", "-o", &output]);
     assert_eq!(run.code, 0, "{run:?}");
     assert!(run.stderr.contains("not a solid: 3 edges have one triangle only"), "{run:?}");
-    assert!(run.stdout.contains("sure only away from holes"), "{run:?}");
+    assert!(run.stdout.contains("certain only away from holes"), "{run:?}");
 }
 
 #[test]

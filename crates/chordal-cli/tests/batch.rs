@@ -66,7 +66,7 @@ fn every_file_gets_its_output_and_its_line() {
     // Again: nothing to do. Other words: all of it.
     let again = batch(&folder, &["convert", "in", "-o", "out", "--to", "stl", "--json"]);
     assert_eq!(summary(&again), [3, 0, 0, 0, 0, 3]);
-    assert!(again.stderr.contains("no known format were left out (1x)"), "{again:?}");
+    assert!(again.stderr.contains("unknown extension were skipped (1x)"), "{again:?}");
     assert_eq!(manifest(&folder, "out").len(), 3);
     let other =
         batch(&folder, &["convert", "in/**", "-o", "out", "--to", "stl", "--json", "--", "--up", "z"]);
@@ -262,7 +262,7 @@ fn a_second_batch_in_the_folder_is_refused_and_a_signal_stops_the_first_with_its
     let folder = Folder::new("batch-lock");
     let first = start_long(&folder);
     batch(&folder, &["bake", "long.obj", "-o", "out", "--", "--cells", "4"])
-        .fails_with(4, &["out: another batch works in this folder"]);
+        .fails_with(4, &["out: another batch is using this folder"]);
     // Where the system does not show its processes in files, nothing is seen of them here.
     if Path::new("/proc/self/stat").exists() {
         until("the process", || !children_of(first.id()).is_empty());

@@ -197,7 +197,7 @@ fn curves_go_to_svg_as_cubics_and_arcs_become_some_within_a_length() {
     let straight =
         folder.file("line.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L1 0'/></svg>");
     run(&["convert", &straight, &folder.text("e.json"), "--tol", "1"])
-        .fails_with(2, &["--tol is for drawings to svg"]);
+        .fails_with(2, &["--tol is for drawings written as svg"]);
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn smooth_shapes_are_refused_with_the_verb_and_the_budget_that_make_triangles() 
     run(&["convert", &cage, &out("a.stl")]).fails_with(2, &["--tol", "--level 0"]);
     run(&["convert", &patch, &out("a.json")]).fails_with(2, &["json does not hold patches"]);
     run(&["convert", &cage, &out("a.nrrd")]).fails_with(2, &["nrrd does not hold polygons"]);
-    run(&["convert", &cage, &out("a.nii")]).fails_with(2, &["only read"]);
+    run(&["convert", &cage, &out("a.nii")]).fails_with(2, &["can only be read"]);
     assert_eq!(folder.names(), ["a.star", "a.svg", "cage.obj", "my a.bpt"]);
 }
 

@@ -129,7 +129,7 @@ fn budgets_that_mean_nothing_for_the_output_are_usage_errors() {
     let (json, glb) = (folder.text("a.json"), folder.text("a.glb"));
     run(&["mesh", &plain, "--triangles", "9", "-o", &json]).fails_with(2, &["--segments 9"]);
     run(&["mesh", &plain, "--segments", "9", "-o", &glb]).fails_with(2, &["--triangles 9"]);
-    run(&["mesh", &plain, "--tol", "1", "-o", &folder.text("a.bpt")]).fails_with(2, &["only read"]);
+    run(&["mesh", &plain, "--tol", "1", "-o", &folder.text("a.bpt")]).fails_with(2, &["can only be read"]);
     run(&["mesh", &plain, "--segments", "0", "-o", &json]).fails_with(2, &["--segments"]);
     run(&["mesh", &plain, "--segments", "9", "-o", &json, "-q"]).succeeds();
     run(&["mesh", &plain, "--tol", "0.01", "--spacing", "even", "-o", &json, "-q", "--force"]).succeeds();

@@ -305,7 +305,7 @@ fn every_requirement_names_count_and_place() {
     fails(&spoilt, "no-duplicates", "duplicates: 1 duplicate vertex, vertex 8, equal to 0, at (0, 0, 0)");
     fails(&spoilt, "no-unused", "unused: 1 unused vertex, vertex 11 at (9, 9, 9)");
     let strip = obj(&corners(0.0), &[[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]]);
-    fails(&strip, "orientable", "not orientable: a component has one side only");
+    fails(&strip, "orientable", "not orientable: a component has only one side");
     fails(&strip, "oriented", "not oriented: ");
     let needle = obj(&[[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.001, 0.0]], &[[0, 1, 2]]);
     fails(&needle, "no-slivers", "slivers: 1 sliver, triangle 0 at");

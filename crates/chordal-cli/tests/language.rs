@@ -24,8 +24,8 @@ fn the_document_has_functions_with_their_parameters_and_what_they_are_worth() {
             "name": "gyroid",
             "group": "Solids",
             "usage": "gyroid(period, level=0)",
-            "worth": "a lower bound",
-            "doc": "One side of the gyroid, without end; with shell() it is a wall.",
+            "worth": "lower bound",
+            "doc": "The infinite solid on one side of the gyroid; shell() turns it into a wall.",
             "parameters": [
                 { "name": "period", "default": null, "rest": false },
                 { "name": "level", "default": "0", "rest": false },
@@ -59,7 +59,7 @@ fn the_document_follows_its_schema() {
 fn the_list_for_people_has_every_function_and_its_sentence() {
     let said = run(&["language"]);
     said.succeeds();
-    let ball = "Solids\n  sphere(radius)\n      A ball around the origin.\n      As a distance: exact.\n";
+    let ball = "Solids\n  sphere(radius)\n      A ball centred on the origin.\n      The value is: exact distance.\n";
     assert!(said.stdout.starts_with(ball), "{}", said.stdout);
     for function in document()["functions"].as_array().unwrap() {
         let row = format!(

@@ -121,13 +121,13 @@ fn scripts_have_letters_as_shapes_of_the_plane() {
     for (text, said) in [
         ("text('文', 'tiny.ttf', 0.01)", "no glyph for '文'"),
         ("text('A', 'none.ttf', 0.01)", "'none.ttf' cannot be used: no such file"),
-        ("text('A', 'tiny.ttf', 0)", "a length above 0"),
-        ("text('A', 'tiny.ttf', 0.01, em=-1)", "a number above 0"),
+        ("text('A', 'tiny.ttf', 0)", "the tolerance must be a number above 0"),
+        ("text('A', 'tiny.ttf', 0.01, em=-1)", "em must be a number above 0"),
         ("text('A', 'tiny.ttf', 0.01, wght='bold')", "the axis wght needs a number"),
         ("text('A', 'tiny.ttf', 0.01, wdth=3)", "no axis 'wdth'"),
-        ("text('A', 'tiny.ttf', 0.01, align='middle')", "align is \"left\", \"center\" or \"right\""),
-        ("text('A', 'tiny.ttf', 0.01, align=1)", "align is \"left\""),
-        ("text('A', 'tiny.ttf', 0.01, halign='center')", "here it is align="),
+        ("text('A', 'tiny.ttf', 0.01, align='middle')", "align must be \"left\", \"center\" or \"right\""),
+        ("text('A', 'tiny.ttf', 0.01, align=1)", "align must be \"left\""),
+        ("text('A', 'tiny.ttf', 0.01, halign='center')", "use align="),
         ("text('A', '../tiny.ttf', 0.01)", "without '..'"),
         ("text('A', 'wrong.star', 0.01)", "cannot be used"),
     ] {
@@ -210,8 +210,10 @@ fn a_font_that_lacks_the_letters_of_its_name_is_listed_and_shown_by_others() {
     let seen = run(&["inspect", &font]);
     assert_eq!(seen.code, 0, "{seen:?}");
     assert!(seen.stdout.contains("drawing, ttf"), "{seen:?}");
-    let listed =
-        ["font 0: a font without a name, 6 glyphs", "it lacks letters of its name, and this is AOVX"];
+    let listed = [
+        "font 0: a font without a name, 6 glyphs",
+        "the font lacks letters of its name, so the text is AOVX",
+    ];
     assert!(listed.iter().all(|part| seen.stderr.contains(part)), "{seen:?}");
     let report = run(&["inspect", &font, "--json"]).report();
     let notes = report["certificate"]["notes"].to_string();

@@ -149,8 +149,8 @@ fn before_and_after_count_what_inspect_counts_and_say_what_they_leave_out() {
     let turned = tell("turned.obj", &turned);
     assert_eq!(run(&["inspect", &out, "--require", "outward"]).code, 1);
     assert!(!turned.contains("nothing to mend"), "{turned}");
-    assert!(turned.contains("  after       none of the faults that were looked for\n"), "{turned}");
-    assert!(turned.contains("not looked for: components inside out, self-intersections\n"), "{turned}");
+    assert!(turned.contains("  after       none of the checked faults\n"), "{turned}");
+    assert!(turned.contains("not checked: components inside out, self-intersections\n"), "{turned}");
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn a_split_that_the_format_ties_again_is_said_and_an_empty_result_is_refused() {
     for (out, is_said) in [("out.stl", true), ("out.glb", true), ("out.obj", false), ("out.ply", false)] {
         let told = run(&["mend", &fan, "-o", &folder.text(out), "--split-nonmanifold"]);
         assert_eq!(told.code, 0);
-        assert_eq!(told.stdout.contains("ties equal positions"), is_said, "{out}: {}", told.stdout);
+        assert_eq!(told.stdout.contains("merges equal positions"), is_said, "{out}: {}", told.stdout);
     }
     let points = folder.file("points.obj", "v 0 0 0\nv 1 0 0\n");
     let refused = run(&["mend", &points, "-o", &folder.text("none.obj"), "--drop-unused"]);

@@ -47,13 +47,13 @@ fn what_is_wrong_with_a_script_is_shown() {
     let file = folder.file("wrong.star", "a = 1\nbox(1, a)\n");
     let wrong = run(&["inspect", &file]);
     // The sentence, the line, and a mark below its place.
-    let shown = "wrong.star: line 2, column 1: box() needs 'z': it is called as box(x, y, z)\nbox(1, a)\n^\n";
+    let shown = "wrong.star: line 2, column 1: box() needs 'z': call it as box(x, y, z)\nbox(1, a)\n^\n";
     assert!(wrong.code == 3 && wrong.stderr.ends_with(shown), "{wrong:?}");
     assert_eq!(wrong.stderr.lines().count(), 3, "{wrong:?}");
     let endless = folder.file("endless.star", "def f(n):\n    return f(n)\nf(1)\n");
     let endless = run(&["inspect", &endless]);
     assert!(
-        endless.code == 3 && endless.stderr.contains("more than 64 functions wait for each other"),
+        endless.code == 3 && endless.stderr.contains("the call stack is deeper than 64 functions"),
         "{endless:?}"
     );
 }
@@ -74,7 +74,7 @@ fn a_union_of_which_the_last_shape_alone_is_cut_is_warned_about() {
     let ply = folder.text("out.ply");
     let made = run(&["mesh", &cut, "--tol", "0.1", "-o", &ply]);
     assert_eq!(made.code, 0, "{made:?}");
-    assert!(made.stderr.contains("cut.star: warning: '-' binds closer than '|'"), "{made:?}");
+    assert!(made.stderr.contains("cut.star: warning: '-' binds tighter than '|'"), "{made:?}");
     assert!(made.stderr.contains("line 4, column 9"), "{made:?}");
     for meant in ["plate | (rib - hole)", "(plate | rib) - hole"] {
         let file = folder.file("meant.star", format!("{text}{meant}\n"));
@@ -246,7 +246,7 @@ fn files_beside_a_script_are_read_and_none_elsewhere() {
     std::os::unix::fs::symlink(&secret, folder.path("link.star")).expect("a link");
     for (text, said) in [
         ("load('../secret.star', 'r')\nsphere(r)\n", "without '..'"),
-        ("load('/etc/passwd', 'r')\nsphere(r)\n", "is not the relative path"),
+        ("load('/etc/passwd', 'r')\nsphere(r)\n", "a path must be relative to the script's folder"),
         ("load('none.star', 'r')\nsphere(r)\n", "cannot be loaded: no such file"),
         ("load('link.star', 'r')\nsphere(r)\n", "link"),
         ("extrude(svg('lib.star', 1), 1)\n", "svg(): 'lib.star' cannot be used"),
@@ -424,14 +424,14 @@ fn what_is_no_colour_is_said_in_a_sentence_with_its_place() {
     for (text, place, said) in [
         ("color(sphere(1), '#xyz')\n", "line 1, column 1", "not \"#xyz\""),
         ("color(sphere(1), '#12345')\n", "line 1, column 1", "not \"#12345\""),
-        ("a = 1\ncolor(sphere(1), [1, 2, 3])\n", "line 2, column 1", "no number from 0 to 1"),
+        ("a = 1\ncolor(sphere(1), [1, 2, 3])\n", "line 2, column 1", "not numbers from 0 to 1"),
         ("color(sphere(1), [1, 0])\n", "line 1, column 1", "not a list of 2"),
         ("color(sphere(1), 7)\n", "line 1, column 1", "not a number"),
         ("material(sphere(1), '', 'red')\n", "line 1, column 1", "a name of 1 to 100 characters"),
         (
             "material(sphere(1), 'x', 'red', metallic=2)\n",
             "line 1, column 1",
-            "a metallic from 0 to 1, not 2",
+            "a number from 0 to 1 for 'metallic', not 2",
         ),
         ("material(sphere(1), 'x', 'reddish')\n", "line 1, column 1", "not \"reddish\""),
     ] {

@@ -57,9 +57,9 @@ fn only_files_below_the_folder_of_the_script_or_an_allowed_one_are_read() {
     run(&["inspect", &script, "--allow", parts.to_str().unwrap()]).succeeds();
     for (name, why) in [
         ("../parts/part.obj", "without '..'"),
-        ("/etc/passwd", "not the relative path"),
-        ("http://example.org/a.stl", "not the relative path"),
-        ("", "not the relative path"),
+        ("/etc/passwd", "a path must be relative"),
+        ("http://example.org/a.stl", "a path must be relative"),
+        ("", "a path must be relative"),
     ] {
         let text = format!("mesh({name:?})\n");
         let script = folder.file("scripts/out.star", &text);
@@ -77,7 +77,7 @@ fn a_mesh_that_a_script_read_is_never_replaced() {
     let part = folder.file("part.obj", CLOSED_OBJ);
     let script = folder.file("cut.star", CUT);
     run(&["mesh", &script, "--tol", "2%", "-o", &part, "--force"])
-        .fails_with(4, &["a file that the input names"]);
+        .fails_with(4, &["a file that the input references"]);
     assert_eq!(std::fs::read_to_string(&part).unwrap(), CLOSED_OBJ);
     std::fs::create_dir_all(folder.path("allowed")).unwrap();
     let far = folder.file("allowed/far.obj", CLOSED_OBJ);
@@ -85,7 +85,7 @@ fn a_mesh_that_a_script_read_is_never_replaced() {
     let allowed = folder.path("allowed");
     let allow = allowed.to_str().unwrap();
     run(&["mesh", &script, "--allow", allow, "--tol", "2%", "-o", &far, "--force"])
-        .fails_with(4, &["a file that the input names"]);
+        .fails_with(4, &["a file that the input references"]);
     assert_eq!(std::fs::read_to_string(&far).unwrap(), CLOSED_OBJ);
 }
 
@@ -140,9 +140,9 @@ fn a_picture_is_the_solid_below_its_greys() {
     looked.succeeds();
     assert_eq!(looked.report()["certificate"]["input"]["files"][0]["path"], "hills.png");
     for (text, why) in [
-        ("heightmap('hills.png', 4, 5, 1)", "the size is a list of two lengths above 0"),
-        ("heightmap('hills.png', [4, 0], 5, 1)", "the size is a list of two lengths above 0"),
-        ("heightmap('hills.png', [4, 2], 5, 0)", "are lengths above 0"),
+        ("heightmap('hills.png', 4, 5, 1)", "size must be a list of two lengths above 0"),
+        ("heightmap('hills.png', [4, 0], 5, 1)", "size must be a list of two lengths above 0"),
+        ("heightmap('hills.png', [4, 2], 5, 0)", "must be lengths above 0"),
         ("heightmap('line.png', [4, 2], 5, 1)", "at least 2 pixels each way, and it has 2 by 1"),
         ("heightmap('part.obj', [4, 2], 5, 1)", "this is no PNG"),
         ("heightmap('none.png', [4, 2], 5, 1)", "'none.png' cannot be used: no such file"),

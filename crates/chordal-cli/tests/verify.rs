@@ -213,7 +213,7 @@ fn a_report_serves_where_the_format_holds_no_certificate() {
     let other = folder.file("other.obj", CLOSED_OBJ.replace("v 0 0 1", "v 0 0 1.5"));
     alone_fails(&run(&["verify", &out, "--against", &other, "--certificate", &report]), 1, "another input");
     let wrong = folder.file("wrong.json", "not json");
-    alone_fails(&run(&["verify", &out, "--against", &solid, "--certificate", &wrong]), 3, "no report");
+    alone_fails(&run(&["verify", &out, "--against", &solid, "--certificate", &wrong]), 3, "not a report");
 }
 
 #[test]

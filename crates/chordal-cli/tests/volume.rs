@@ -459,8 +459,8 @@ fn files_of_others_are_refused_by_name_with_a_way_around() {
     for (name, words) in [("o.jpg", "a JPEG picture"), ("o.fbx", "FBX"), ("o.step", "STEP")] {
         let output = folder.text(name);
         for verb in [&["mesh", &obj, "--tol", "1%", "-o", &output][..], &["convert", &obj, &output]] {
-            run(verb).fails_with(2, &[&format!("the name says {words}, which is not written")]);
-            run(&[verb, &["--to", "ply"]].concat()).fails_with(2, &["and --to says ply"]);
+            run(verb).fails_with(2, &[&format!("{words} cannot be written")]);
+            run(&[verb, &["--to", "ply"]].concat()).fails_with(2, &["but --to says ply"]);
         }
         assert!(!std::path::Path::new(&output).exists());
     }

@@ -1,19 +1,19 @@
-//! `Array`: numbers that numpy sees in place.
+//! `Array`: numbers that numpy reads in place.
 //!
-//! numpy's array interface (version 3) names an address, and numpy keeps the object that named it. So an
-//! array lives as long as anybody looks at it, nothing is copied, and no line here is unsafe: what is shown
-//! never changes, and numpy is told that it may not write. Nor can a user allow it: numpy asks the owner, and
-//! this one offers no buffer.
+//! numpy's array interface (version 3) passes an address, and numpy keeps a reference to the object that
+//! passed it. So the numbers live as long as any view of them, nothing is copied, and no code here is unsafe:
+//! the numbers never change, and the interface marks them as read-only. A user cannot make them writable
+//! either, since for that numpy asks the owner, and this one offers no buffer.
 use chordal::implicit::Samples;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::sync::Arc;
 
-/// Numbers as they lie in memory, the last axis fastest.
+/// Numbers in memory, the last axis fastest.
 pub(crate) struct ArrayData {
     start: *const u8,
     shape: Vec<usize>,
-    /// The type of one number in numpy's words, without the order of its bytes.
+    /// numpy's name of the number type, without the byte order.
     kind: &'static str,
 }
 
@@ -27,7 +27,7 @@ impl ArrayData {
         Self { start: numbers.as_ptr().cast(), shape, kind }
     }
 
-    /// Rows of so many numbers; a plain list for a width of 1.
+    /// Rows of `width` numbers; a plain list for a width of 1.
     pub(crate) fn from_f64(numbers: &[f64], width: usize) -> Self {
         Self::new(numbers, rows(numbers.len(), width), "f8")
     }
@@ -46,13 +46,12 @@ impl ArrayData {
         Self::new(bytes, shape, "u1")
     }
 
-    /// Nothing.
+    /// An empty array.
     pub(crate) fn empty() -> Self {
         Self::from_bytes(&[], vec![0])
     }
 
-    /// Samples of a lattice of so many along x, y and z, where x runs fastest; `None` for a type of number that is not
-    /// known here.
+    /// Samples of a lattice of `[nx, ny, nz]`, x fastest; `None` for an unknown number type.
     pub(crate) fn from_samples(samples: &Samples, [nx, ny, nz]: [usize; 3]) -> Option<Self> {
         let shape = vec![nz, ny, nx];
         Some(match samples {
@@ -73,13 +72,12 @@ fn rows(n_numbers: usize, width: usize) -> Vec<usize> {
     if width == 1 { vec![n_numbers] } else { vec![n_numbers / width, width] }
 }
 
-/// Numbers that numpy sees in place: `numpy.asarray` copies nothing.
+/// Numbers that numpy reads in place: `numpy.asarray` copies nothing.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Array(Box<dyn Fn() -> ArrayData + Send + Sync>);
 
 impl Array {
-    /// Some numbers of an owner that stays as long as the array does. That it is shared keeps it from
-    /// changing.
+    /// Some numbers of an owner, which the array keeps alive. A shared owner cannot change.
     pub(crate) fn new<T: Send + Sync + 'static>(
         owner: &Arc<T>,
         rows: impl Fn(&T) -> ArrayData + Send + Sync + 'static,
@@ -91,7 +89,7 @@ impl Array {
 
 #[pymethods]
 impl Array {
-    /// What numpy asks for: the shape, the type, and the address, which is for reading only.
+    /// numpy's array interface: the shape, the type, and the read-only address.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let order = if cfg!(target_endian = "little") { '<' } else { '>' };

@@ -1,4 +1,4 @@
-//! Blocks of a volume, meshed one by one in any process, and joined.
+//! Blocks of a volume, meshed one by one in any process and then joined.
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::{Bound, Evidence, JobError, Reference};
@@ -17,7 +17,7 @@ use pyo3::types::PyBytes;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Where a block is in its volume, and which surface is meant.
+/// The place of a block in its volume, and the surface to extract.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct BlockArguments {
@@ -28,9 +28,9 @@ pub(crate) struct BlockArguments {
     capped: [[bool; 2]; 3],
     /// The index of the first sample in the volume.
     offset: [i64; 3],
-    /// The rows that take indices of the volume to space.
+    /// The rows of the matrix from indices of the volume to space.
     affine: [[f64; 4]; 3],
-    /// The length that a bound is to be within.
+    /// The largest bound allowed, as a length.
     wanted: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ impl BlockArguments {
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Block(Arc<GridBlock>);
 
-/// Meshes a block, whose samples are those of a volume.
+/// Meshes a block of a volume.
 #[pyfunction]
 pub(crate) fn block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<Block> {
     Ok(Block(Arc::new(mesh_block(py, samples, &arguments)?)))
@@ -57,8 +57,8 @@ pub(crate) fn label_blocks(
     samples: &Source,
     arguments: BlockArguments,
 ) -> PyResult<Vec<(u32, Block)>> {
-    let made = mesh_labels(py, samples, &arguments)?;
-    Ok(made.into_iter().map(|(label, block)| (label, Block(Arc::new(block)))).collect())
+    let blocks = mesh_labels(py, samples, &arguments)?;
+    Ok(blocks.into_iter().map(|(label, block)| (label, Block(Arc::new(block)))).collect())
 }
 
 pub(crate) fn mesh_labels(
@@ -69,11 +69,11 @@ pub(crate) fn mesh_labels(
     let grid = lattice(py, samples, arguments)?;
     let rule =
         LabelOptions { border: arguments.border(), offset: arguments.offset, ..LabelOptions::default() };
-    let made = work::run(py, None, move |job| labels_to_blocks(&grid, &rule, job))?;
-    made.map_err(|error| failure::mesh(py, error.into()))
+    let blocks = work::run(py, None, move |job| labels_to_blocks(&grid, &rule, job))?;
+    blocks.map_err(|error| failure::mesh(py, error.into()))
 }
 
-/// The samples where they are in the volume.
+/// The samples of a block, placed in the volume.
 fn lattice(py: Python<'_>, samples: &Source, arguments: &BlockArguments) -> PyResult<Grid> {
     let Shape::Volume(sampled) = samples.shape() else {
         return Err(failure::internal(py, "this is no volume"));
@@ -82,7 +82,7 @@ fn lattice(py: Python<'_>, samples: &Source, arguments: &BlockArguments) -> PyRe
     Ok(sampled.volume.grid.clone().with_affine(affine))
 }
 
-/// The surface that is meant.
+/// The surface to extract.
 fn rule(arguments: &BlockArguments) -> PyResult<Polygonize> {
     let inside = match arguments.inside.as_str() {
         "high" => Inside::High,
@@ -93,15 +93,15 @@ fn rule(arguments: &BlockArguments) -> PyResult<Polygonize> {
     Ok(Polygonize { inside, border, offset, ..Polygonize::above(arguments.iso) })
 }
 
-/// The normals of vertices by their keys, in the order of keys.
+/// The normals of vertices with their keys, ordered by key.
 pub(crate) fn normals_of(
     py: Python<'_>,
     samples: &Source,
     arguments: &BlockArguments,
 ) -> PyResult<Vec<(VertexKey, [f64; 3])>> {
     let (grid, rule) = (lattice(py, samples, arguments)?, rule(arguments)?);
-    let made = work::run(py, None, move |job| block_normals(&grid, &rule, job))?;
-    made.map_err(|error| failure::mesh(py, error.into()))
+    let normals = work::run(py, None, move |job| block_normals(&grid, &rule, job))?;
+    normals.map_err(|error| failure::mesh(py, error.into()))
 }
 
 pub(crate) fn mesh_block(
@@ -111,11 +111,11 @@ pub(crate) fn mesh_block(
 ) -> PyResult<GridBlock> {
     let (grid, rule) = (lattice(py, samples, arguments)?, rule(arguments)?);
     let wanted = arguments.wanted.and_then(|length| Tolerance::new(length).ok());
-    let made = work::run(py, None, move |job| grid_to_block(&grid, &rule, wanted, job))?;
-    made.map_err(|error| failure::mesh(py, error.into()))
+    let block = work::run(py, None, move |job| grid_to_block(&grid, &rule, wanted, job))?;
+    block.map_err(|error| failure::mesh(py, error.into()))
 }
 
-/// The mesh of the whole and its bound as JSON.
+/// Joins blocks; returns the mesh and its bound as JSON.
 #[pyfunction]
 pub(crate) fn joined(
     py: Python<'_>,
@@ -123,44 +123,44 @@ pub(crate) fn joined(
     metres_per_unit: Option<f64>,
 ) -> PyResult<(Source, String)> {
     let blocks: Vec<Arc<GridBlock>> = blocks.iter().map(|block| Arc::clone(&block.get().0)).collect();
-    let made = work::run(py, None, move |job| {
+    let scene = work::run(py, None, move |job| {
         let joined = join_blocks(blocks, job)?;
         Ok::<_, JobError>(scene_of(joined.shape, &joined.bound, metres_per_unit))
     })?;
-    let (input, bound) = made.map_err(|error| failure::mesh(py, error.into()))?;
+    let (input, bound) = scene.map_err(|error| failure::mesh(py, error.into()))?;
     Ok((Source::from_input(input, Vec::new()), bound))
 }
 
-/// Triangles as what was read, in the order in which the command writes new ones, and their bound as JSON.
-pub(crate) fn scene_of(mesh: Mesh, bound_of_it: &Bound, metres_per_unit: Option<f64>) -> (Input, String) {
-    let bound = serde_json::to_string(&BoundFacts::new(bound_of_it)).unwrap_or_default();
+/// Triangles as an input, ordered as the command writes them, and their bound as JSON.
+pub(crate) fn scene_of(mesh: Mesh, mesh_bound: &Bound, metres_per_unit: Option<f64>) -> (Input, String) {
+    let bound = serde_json::to_string(&BoundFacts::new(mesh_bound)).unwrap_or_default();
     let frame = Frame { metres_per_unit, ..Frame::default() };
     let ordered = match for_vertex_caches(&mesh) {
         Ok(Cow::Owned(ordered)) => Some(ordered),
         Ok(Cow::Borrowed(_)) | Err(_) => None,
     };
     let shape = Shape::Scene(Scene::from_mesh("surface", ordered.unwrap_or(mesh), frame));
-    let mut made = Input::made(shape, Format::Ply);
-    made.composed = made_of(&made, "volume", bound_of_it).ok().map(Arc::new);
-    (made, bound)
+    let mut input = Input::made(shape, Format::Ply);
+    input.composed = made_of(&input, "volume", mesh_bound).ok().map(Arc::new);
+    (input, bound)
 }
 
-/// Numbers of one key of a vertex in a row: x, y, z, kind.
+/// The numbers of a vertex key: x, y, z, kind. Defined by [`Block::state`].
 const VERTEX_ROW: usize = 4;
-/// Numbers of one key of a triangle in a row: whether it is a cap, three of its place, its number.
+/// The numbers of a triangle key: whether it is a cap, three of its cell, its number. Defined as above.
 const FACE_ROW: usize = 5;
 
-/// Some numbers.
+/// The bytes of an array.
 type BlockArrayBytes<'py> = pyo3::Bound<'py, PyBytes>;
 
-/// The ends of a bound and where it is worst. One without an upper end has infinity there.
+/// The lower and upper bound and the worst place. Without an upper bound, infinity.
 pub(crate) type BoundState = (f64, f64, Option<[f64; 3]>);
 
 pub(crate) fn state_of_bound(bound: &Bound) -> BoundState {
     (bound.at_least(), bound.at_most().unwrap_or(f64::INFINITY), bound.at)
 }
 
-/// The proved distance to the surface of the interpolant.
+/// The bound of a state: the distance to the isosurface of the interpolant.
 pub(crate) fn bound_of_state((least, most, at): BoundState) -> Bound {
     let most = Some(most).filter(|most| most.is_finite());
     let evidence = if most.is_some() { Evidence::Proved } else { Evidence::Estimated };
@@ -177,7 +177,7 @@ impl Block {
         self.0.faces.len()
     }
 
-    /// All of it as bytes: what [`Self::of_state`] makes the same block of.
+    /// The block as bytes, from which [`Self::of_state`] restores it.
     fn state<'py>(&self, py: Python<'py>) -> (Vec<BlockArrayBytes<'py>>, Option<BoundState>) {
         let block = &self.0;
         let bytes = |numbers: Vec<u8>| PyBytes::new(py, &numbers);
@@ -186,30 +186,30 @@ impl Block {
             let [a, b, c] = key.place;
             [i64::from(key.is_cap), a, b, c, i64::from(key.number)]
         };
-        let whole = |numbers: Vec<i64>| bytes(numbers.iter().flat_map(|n| n.to_le_bytes()).collect());
+        let integers = |numbers: Vec<i64>| bytes(numbers.iter().flat_map(|n| n.to_le_bytes()).collect());
         let blocks = vec![
             bytes(block.positions.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect()),
             bytes(block.faces.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect()),
-            whole(block.vertex_keys.iter().flat_map(vertex).collect()),
-            whole(block.face_keys.iter().flat_map(face).collect()),
+            integers(block.vertex_keys.iter().flat_map(vertex).collect()),
+            integers(block.face_keys.iter().flat_map(face).collect()),
         ];
         (blocks, block.bound.as_ref().map(state_of_bound))
     }
 
-    /// The block of such a state.
+    /// The block of a state.
     #[staticmethod]
     fn of_state(blocks: [PyBackedBytes; 4], bound: Option<BoundState>) -> PyResult<Self> {
         let wrong = |what: &str| failure::argument("state", what);
         let [positions, faces, vertex_keys, face_keys] = &blocks;
-        let (numbers, odd) = positions.as_chunks::<8>();
+        let (numbers, rest_of_number) = positions.as_chunks::<8>();
         let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
-        let (indices, odd_index) = faces.as_chunks::<4>();
+        let (indices, rest_of_index) = faces.as_chunks::<4>();
         let indices: Vec<u32> = indices.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
-        let whole = |bytes: &[u8]| -> Vec<i64> {
+        let integers = |bytes: &[u8]| -> Vec<i64> {
             bytes.as_chunks::<8>().0.iter().map(|bytes| i64::from_le_bytes(*bytes)).collect()
         };
-        let small = |n: i64| u8::try_from(n).map_err(|_| wrong("a key is no key"));
-        let (vertex_rows, face_rows) = (whole(vertex_keys), whole(face_keys));
+        let small = |n: i64| u8::try_from(n).map_err(|_| wrong("a key is invalid"));
+        let (vertex_rows, face_rows) = (integers(vertex_keys), integers(face_keys));
         let vertex_keys: Vec<VertexKey> = vertex_rows
             .as_chunks::<VERTEX_ROW>()
             .0
@@ -226,18 +226,18 @@ impl Block {
                 Ok(FaceKey { is_cap: *cap != 0, place: [*a, *b, *c], number: small(*number)? })
             })
             .collect::<PyResult<_>>()?;
-        let (points, half) = numbers.as_chunks::<3>();
-        let (corners, half_face) = indices.as_chunks::<3>();
-        let fits = odd.is_empty()
-            && odd_index.is_empty()
-            && half.is_empty()
-            && half_face.is_empty()
+        let (points, rest_of_point) = numbers.as_chunks::<3>();
+        let (corners, rest_of_face) = indices.as_chunks::<3>();
+        let fits = rest_of_number.is_empty()
+            && rest_of_index.is_empty()
+            && rest_of_point.is_empty()
+            && rest_of_face.is_empty()
             && vertex_keys.len() == points.len()
             && face_keys.len() == corners.len()
             && numbers.iter().all(|x| x.is_finite())
             && indices.iter().all(|i| (*i as usize) < points.len());
         if !fits {
-            return Err(wrong("these are no arrays of a block"));
+            return Err(wrong("the arrays do not fit each other"));
         }
         Ok(Self(Arc::new(GridBlock {
             positions: points.to_vec(),

@@ -1,4 +1,4 @@
-//! Cages for Python: polygons with what subdivision asks of them, and their refinement.
+//! Cages for Python: polygons with the tags of subdivision surfaces, and their refinement.
 use crate::array::{Array, ArrayData};
 use crate::source::Source;
 use crate::{failure, work};
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::sync::Arc;
 
-/// What a cage is besides its polygons, in Python's words.
+/// The tags of a cage, as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Tags {
@@ -32,24 +32,24 @@ const BOUNDARIES: [(Boundary, &str); 3] = [
 const CREASINGS: [(CreasingMethod, &str); 2] =
     [(CreasingMethod::Uniform, "uniform"), (CreasingMethod::Chaikin, "chaikin")];
 
-/// What has that name.
-fn from_name<T: Copy>(argument: &str, name: &str, all: &[(T, &str)]) -> PyResult<T> {
-    let found = all.iter().find(|(_, known)| *known == name).map(|(value, _)| *value);
-    found.ok_or_else(|| {
-        let names: Vec<String> = all.iter().map(|(_, known)| format!("'{known}'")).collect();
+/// The value of a name.
+fn from_name<T: Copy>(argument: &str, name: &str, table: &[(T, &str)]) -> PyResult<T> {
+    let value = table.iter().find(|(_, known)| *known == name).map(|(value, _)| *value);
+    value.ok_or_else(|| {
+        let names: Vec<String> = table.iter().map(|(_, known)| format!("'{known}'")).collect();
         failure::argument(argument, format!("one of {}, not '{name}'", names.join(", ")))
     })
 }
 
-/// The name of that.
-fn name_of<T: PartialEq>(value: &T, all: &[(T, &'static str)]) -> &'static str {
-    all.iter().find(|(known, _)| known == value).map_or("", |(_, name)| name)
+/// The name of a value.
+fn name_of<T: PartialEq>(value: &T, table: &[(T, &'static str)]) -> &'static str {
+    table.iter().find(|(known, _)| known == value).map_or("", |(_, name)| name)
 }
 
-/// The parts of a cage in one list each, as numpy sees them.
+/// A cage with the lists that numpy reads.
 struct CageArrays {
     cage: Polygon,
-    /// Where each face begins, and the number of all corners at the end.
+    /// The index of the first corner of each face, then the number of all corners.
     offsets: Vec<i64>,
     indices: Vec<u32>,
 }
@@ -59,7 +59,7 @@ struct CageArrays {
 pub(crate) struct Cage(Arc<CageArrays>);
 
 impl Cage {
-    /// A cage that was read or made.
+    /// Wraps a cage.
     pub(crate) fn from_cage(cage: Polygon) -> Self {
         let (mut offsets, mut indices) = (vec![0], Vec::new());
         for face in cage.faces() {
@@ -73,7 +73,7 @@ impl Cage {
 #[pymethods]
 impl Cage {
     /// `numbers` are three coordinates a vertex in double precision, `indices` the vertices of all faces in
-    /// 32 bits, `ends` where those of each face end, in 64, all in the byte order of the machine.
+    /// 32 bits, and `ends` the end of each face in `indices` in 64 bits; all in native byte order.
     #[new]
     fn new(
         py: Python<'_>,
@@ -85,7 +85,7 @@ impl Cage {
         let scheme = from_name("scheme", &tags.scheme, &SCHEMES)?;
         let boundary = from_name("boundary", &tags.boundary, &BOUNDARIES)?;
         let creasing = from_name("creasing", &tags.creasing, &CREASINGS)?;
-        let made = work::run(py, None, move |_| {
+        let cage = work::run(py, None, move |_| {
             let creases: Vec<_> = tags.creases.iter().map(|(a, b, sharp)| ([*a, *b], *sharp)).collect();
             polygons(&numbers, &indices, &ends)?
                 .with_scheme(scheme)
@@ -95,26 +95,26 @@ impl Cage {
                 .and_then(|cage| cage.with_holes(&tags.holes))
                 .map(Self::from_cage)
         })?;
-        made.map_err(|error| failure::argument(argument_of(&error), error))
+        cage.map_err(|error| failure::argument(argument_of(&error), error))
     }
 
-    /// The cage after some rounds.
+    /// The cage after some rounds of subdivision.
     fn refined(&self, py: Python<'_>, levels: u32) -> PyResult<Self> {
-        let flat = Arc::clone(&self.0);
-        let made =
-            work::run(py, None, move |job| refined_cage(&flat.cage, levels, job).map(Self::from_cage))?;
-        made.map_err(|error| failure::mesh(py, error))
+        let arrays = Arc::clone(&self.0);
+        let cage =
+            work::run(py, None, move |job| refined_cage(&arrays.cage, levels, job).map(Self::from_cage))?;
+        cage.map_err(|error| failure::mesh(py, error))
     }
 
-    /// The numbers of that name: "positions", "indices" or "offsets".
+    /// An array by its name: "positions", "indices" or "offsets".
     fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
         Ok(match name {
             "positions" => {
-                Array::new(&self.0, |flat| ArrayData::from_f64(flat.cage.positions().as_flattened(), 3))
+                Array::new(&self.0, |arrays| ArrayData::from_f64(arrays.cage.positions().as_flattened(), 3))
             }
             // A cage has fewer vertices than 2³¹.
-            "indices" => Array::new(&self.0, |flat| ArrayData::from_u32_below_sign(&flat.indices, 1)),
-            "offsets" => Array::new(&self.0, |flat| ArrayData::from_i64(&flat.offsets)),
+            "indices" => Array::new(&self.0, |arrays| ArrayData::from_u32_below_sign(&arrays.indices, 1)),
+            "offsets" => Array::new(&self.0, |arrays| ArrayData::from_i64(&arrays.offsets)),
             _ => return Err(failure::internal(py, &format!("there are no {name}"))),
         })
     }
@@ -125,7 +125,7 @@ impl Cage {
         self.0.cage.creases().iter().map(|([a, b], sharp)| (*a, *b, *sharp)).collect()
     }
 
-    /// Sharp vertices with theirs.
+    /// Sharp vertices with their sharpness.
     #[getter]
     fn corners(&self) -> Vec<(u32, f64)> {
         self.0.cage.sharp_vertices().to_vec()
@@ -137,7 +137,7 @@ impl Cage {
         self.0.cage.holes().to_vec()
     }
 
-    /// The names of the scheme, of the rule for the border, and of how sharpness falls.
+    /// The names of the scheme, of the boundary rule and of the creasing method.
     #[getter]
     fn rules(&self) -> (&'static str, &'static str, &'static str) {
         let cage = &self.0.cage;
@@ -148,14 +148,14 @@ impl Cage {
         )
     }
 
-    /// What a file of it would hold.
+    /// The cage as if it were read from a file.
     fn source(&self, py: Python<'_>, unit: Option<&str>) -> PyResult<Source> {
         let metres_per_unit =
             crate::spec::parse_argument::<chordal::budget::Unit>("unit", unit)?.map(|unit| unit.metres());
-        let flat = Arc::clone(&self.0);
-        let made = work::run(py, None, move |_| {
+        let arrays = Arc::clone(&self.0);
+        let input = work::run(py, None, move |_| {
             let polygons = Polygons::from_cage(
-                flat.cage.clone(),
+                arrays.cage.clone(),
                 Frame { up: None, metres_per_unit, ..Frame::default() },
             );
             let mut bytes = Vec::new();
@@ -163,11 +163,11 @@ impl Cage {
             let (n_bytes, digest) = (bytes.len() as u64, sha256(&bytes).into());
             Ok(Input { n_bytes, digest, ..Input::made(Shape::Cage(polygons), Format::Obj) })
         })?;
-        made.map(|input| Source::from_input(input, Vec::new())).map_err(|error| failure::write(py, &error))
+        input.map(|input| Source::from_input(input, Vec::new())).map_err(|error| failure::write(py, &error))
     }
 }
 
-/// The polygons of some bytes. What is no number is left out, so that it cannot be: Python counts them.
+/// The polygons of some bytes. Left-over bytes are ignored: Python passes whole numbers.
 fn polygons(numbers: &[u8], indices: &[u8], ends: &[u8]) -> Result<Polygon, InvalidCage> {
     let numbers =
         numbers.as_chunks::<{ size_of::<f64>() }>().0.iter().map(|bytes| f64::from_ne_bytes(*bytes));
@@ -181,8 +181,8 @@ fn polygons(numbers: &[u8], indices: &[u8], ends: &[u8]) -> Result<Polygon, Inva
         let end = i64::from_ne_bytes(*bytes);
         let n = usize::try_from(end.saturating_sub(start)).unwrap_or(0);
         start = end;
-        let (face, after) = rest.split_at(if n < rest.len() { n } else { rest.len() });
-        rest = after;
+        let (face, others) = rest.split_at(if n < rest.len() { n } else { rest.len() });
+        rest = others;
         face
     });
     Polygon::new(numbers.as_chunks::<3>().0.to_vec(), faces)

@@ -1,4 +1,4 @@
-//! Solids combined from left to right, from Python's arguments.
+//! Booleans of solids from left to right, from Python's arguments.
 use crate::deviation::NamedInput;
 use crate::failure;
 use crate::outcome::{MeshOrder, MeshTask, Outcome};
@@ -9,7 +9,7 @@ use chordal_io::{Format, UnknownFormat};
 use chordal_verbs::{BooleanOperand, Input};
 use pyo3::prelude::*;
 
-/// Combines solids as triangles within a budget, as a file of that format would have them.
+/// Combines solids as triangles within a budget, rounded as in a file of a format.
 #[pyfunction]
 pub(crate) fn combine(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! The same shape in another format.
+//! Conversion of a shape to another format.
 use crate::outcome::{FileBytes, file_bytes, form_of};
 use crate::source::Source;
 use crate::spelling::Keywords;
@@ -13,16 +13,16 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 
-/// A shape as a format holds it.
+/// A converted shape.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Conversion {
-    made: Arc<ConvertOutcome>,
-    /// Its certificate in Python's words; the file has the command's.
-    told: Certificate,
+    outcome: Arc<ConvertOutcome>,
+    /// The certificate in the spelling of Python; the file has that of the command.
+    certificate: Certificate,
     name: Option<String>,
 }
 
-/// The same shape in another format; curves that it does not hold within a length.
+/// The same shape in another format; curves that it cannot hold are approximated within a length.
 #[pyfunction]
 pub(crate) fn convert(
     py: Python<'_>,
@@ -39,11 +39,12 @@ pub(crate) fn convert(
     let length = length.transpose()?;
     let named = source.named_input();
     let listener = ProgressListener::new(progress, "convert");
-    let made =
+    let outcome =
         work::run(py, listener, move |job| convert_within(Input::clone(&named.input), form, length, job))?;
-    let made = made.map_err(|error| failure::mesh(py, error))?;
-    let told = made.certificate.clone().spelled(&Keywords);
-    Ok(Conversion { made: Arc::new(made.spelled(&CommandLine)), told, name: source.named_input().name })
+    let outcome = outcome.map_err(|error| failure::mesh(py, error))?;
+    let certificate = outcome.certificate.clone().spelled(&Keywords);
+    let name = source.named_input().name;
+    Ok(Conversion { outcome: Arc::new(outcome.spelled(&CommandLine)), certificate, name })
 }
 
 #[pymethods]
@@ -52,29 +53,29 @@ impl Conversion {
     #[getter]
     fn report(&self) -> String {
         let run = RunFacts { verb: "convert", input: self.name.clone(), ..RunFacts::default() };
-        Report::new(self.told.clone(), run).to_value().to_string()
+        Report::new(self.certificate.clone(), run).to_value().to_string()
     }
 
-    /// Whether the format names files beside it for what was converted.
+    /// Whether the converted file references other files.
     #[getter]
     fn names_files(&self) -> bool {
-        self.made.names_files()
+        self.outcome.names_files()
     }
 
     /// The bytes of the file.
     fn write<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let made = Arc::clone(&self.made);
+        let outcome = Arc::clone(&self.outcome);
         let written = work::run(py, None, move |_| {
             let mut bytes = Vec::new();
-            made.write(&mut bytes).map(|()| bytes)
+            outcome.write(&mut bytes).map(|()| bytes)
         })?;
         Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
     }
 
-    /// The file, and those beside it with their names, which begin with `stem`.
+    /// The file, and the files that it references with their names, which begin with `stem`.
     fn write_files<'py>(&self, py: Python<'py>, stem: String) -> PyResult<FileBytes<'py>> {
-        let made = Arc::clone(&self.made);
-        let files = work::run(py, None, move |_| made.write_files(&stem).map(|files| files.into_owned()))?;
+        let outcome = Arc::clone(&self.outcome);
+        let files = work::run(py, None, move |_| outcome.write_files(&stem).map(|files| files.into_owned()))?;
         Ok(file_bytes(py, files.map_err(|error| failure::write(py, &error))?))
     }
 }

@@ -1,17 +1,16 @@
-//! Curves from control points that Python passes.
+//! Curves from control points of Python.
 use chordal::Bezier;
 use chordal::explicit::{Curve, CurveEnds, CurveSegment};
 use chordal_io::{DrawingElement, Format, Frame, PathSet};
 use chordal_verbs::{Input, Shape, sha256};
 
-/// The shape of `n_points` control points a curve (3n + 1 for n pieces), each of `width` coordinates (2 or
-/// 3), all in a row, in double precision and the byte order of the machine.
+/// Curves of `n_points` control points each (3n + 1 for n pieces) with `width` coordinates (2 or 3), all in a
+/// row, in double precision and native byte order.
 ///
-/// It is what the same numbers in a JSON file would give. There is no file, so the digest is that of the
-/// numbers.
+/// The result equals that of a JSON file with the same numbers, but the digest is that of the numbers.
 ///
 /// # Errors
-/// A sentence where the numbers are no such curves.
+/// A sentence, if the numbers are no such curves.
 pub(crate) fn curves(numbers: &[u8], n_points: usize, width: usize, frame: Frame) -> Result<Input, String> {
     let shape = match width {
         2 => Shape::Drawing(chains(numbers, n_points, frame)?),
@@ -29,11 +28,11 @@ fn chains<const D: usize>(
     frame: Frame,
 ) -> Result<PathSet<Curve<D>>, String> {
     const WIDTH: usize = size_of::<f64>();
-    let (numbers, rest) = numbers.as_chunks::<WIDTH>();
+    let (numbers, rest_of_number) = numbers.as_chunks::<WIDTH>();
     let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect();
-    let (points, odd) = numbers.as_chunks::<D>();
-    let whole = n_points > 3 && n_points % 3 == 1 && points.len().is_multiple_of(n_points);
-    if !(whole && rest.is_empty() && odd.is_empty()) {
+    let (points, rest_of_point) = numbers.as_chunks::<D>();
+    let fits = n_points > 3 && n_points % 3 == 1 && points.len().is_multiple_of(n_points);
+    if !(fits && rest_of_number.is_empty() && rest_of_point.is_empty()) {
         return Err(format!(
             "{n_points} control points a curve are not 3n + 1, or there are too few numbers"
         ));
@@ -47,7 +46,7 @@ fn chains<const D: usize>(
     Ok(PathSet { lines, owners: (0..n).collect(), elements, frame, ..PathSet::default() })
 }
 
-/// Neighbours share a point.
+/// The cubics of a chain; neighbours share a point.
 fn cubics<const D: usize>(chain: &[[f64; D]]) -> Vec<CurveSegment<D>> {
     let control = |at: usize| [chain[at], chain[at + 1], chain[at + 2], chain[at + 3]];
     (0..chain.len() - 1).step_by(3).map(|at| CurveSegment::Cubic(Bezier { control: control(at) })).collect()

@@ -1,4 +1,4 @@
-//! How far two shapes are apart, and whether what a file says of that is so, from Python's arguments.
+//! The deviation of two shapes, and the verification of certificates, from Python's arguments.
 use crate::source::Source;
 use crate::spec::parse_argument;
 use crate::work::ProgressListener;
@@ -10,7 +10,7 @@ use chordal_verbs::{DeviationSpec, Input, deviation, history_of, verify};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// How well the distance is to be known, as Python passes it.
+/// The tolerances of the measurement, as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct DeviationArguments {
@@ -39,19 +39,19 @@ pub(crate) fn report(
         max: parse_argument::<Length>("max", arguments.max.as_deref())?,
     };
     let listener = ProgressListener::new(progress, "deviation");
-    let found = work::run(py, listener, move |job| {
+    let measured = work::run(py, listener, move |job| {
         let (a, b) = (Input::clone(&shape.input), Input::clone(&other.input));
         deviation(a, b, &spec, job).map(|mut report| {
             report.run.input = shape.name;
             report
         })
     })?;
-    let report = found.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
+    let report = measured.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
     Ok(report.to_value().to_string())
 }
 
-/// The report of `chordal verify`, as JSON: on a shape with its certificate, or that in a report, from the shapes that it was
-/// made of.
+/// The report of `chordal verify`, as JSON: for a shape with its certificate, or that of a report, and the
+/// shapes that it was made from.
 #[pyfunction]
 pub(crate) fn verified(
     py: Python<'_>,
@@ -60,17 +60,17 @@ pub(crate) fn verified(
     against: Vec<PyRef<'_, Source>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let given = certificate.map(serde_json::from_str::<serde_json::Value>).transpose();
-    let given = given.map_err(|error| failure::argument("certificate", error))?;
+    let report_value = certificate.map(serde_json::from_str::<serde_json::Value>).transpose();
+    let report_value = report_value.map_err(|error| failure::argument("certificate", error))?;
     let out = Arc::clone(source.input());
-    let against: Vec<Input> = against.iter().map(|of| Input::clone(of.input())).collect();
+    let against: Vec<Input> = against.iter().map(|input| Input::clone(input.input())).collect();
     let listener = ProgressListener::new(progress, "verify");
-    let found = work::run(py, listener, move |job| verify(&out, given.as_ref(), &against, job))?;
-    let report = found.map_err(|error| failure::mesh(py, error))?;
+    let verified = work::run(py, listener, move |job| verify(&out, report_value.as_ref(), &against, job))?;
+    let report = verified.map_err(|error| failure::mesh(py, error))?;
     serde_json::to_string(&report).map_err(|error| failure::internal(py, &error.to_string()))
 }
 
-/// How a shape came about, as JSON, as far as that is proved; and what its parts are, where it was put together.
+/// The history of a shape as JSON, as far as it is proved; with the parts of a composed shape.
 #[pyfunction]
 pub(crate) fn history(py: Python<'_>, source: &Source) -> PyResult<String> {
     let input = Arc::clone(source.input());

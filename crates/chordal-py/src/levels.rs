@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 
-/// What levels are for, in Python's words.
+/// The options of levels of detail, as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct LodArguments {
@@ -35,10 +35,10 @@ impl LodArguments {
     }
 }
 
-/// Levels of detail with all that is known of them.
+/// Levels of detail with their certificate.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Levels {
-    made: Arc<LodOutcome>,
+    outcome: Arc<LodOutcome>,
     name: Option<String>,
 }
 
@@ -52,11 +52,11 @@ pub(crate) fn levels(
 ) -> PyResult<Levels> {
     let spec = arguments.spec(py)?;
     let named = source.named_input();
-    let made = work::run(py, ProgressListener::new(progress, "lod"), move |job| {
+    let outcome = work::run(py, ProgressListener::new(progress, "lod"), move |job| {
         lod(Input::clone(&named.input), &spec, job)
     })?;
-    let made = made.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
-    Ok(Levels { made: Arc::new(made.spelled(&CommandLine)), name: source.named_input().name })
+    let outcome = outcome.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
+    Ok(Levels { outcome: Arc::new(outcome.spelled(&CommandLine)), name: source.named_input().name })
 }
 
 #[pymethods]
@@ -65,42 +65,42 @@ impl Levels {
     #[getter]
     fn report(&self) -> String {
         let run = RunFacts { verb: "lod", input: self.name.clone(), ..RunFacts::default() };
-        Report::new(self.made.certificate.clone(), run).to_value().to_string()
+        Report::new(self.outcome.certificate.clone(), run).to_value().to_string()
     }
 
-    /// Why the finest level does not hold the budget, where it does not.
+    /// Why the finest level does not meet the budget, if it does not.
     #[getter]
     fn unmet(&self) -> Option<String> {
-        self.made.unmet.as_ref().map(ToString::to_string)
+        self.outcome.unmet.as_ref().map(ToString::to_string)
     }
 
-    /// A level as a shape of its own, and its bound as JSON; nothing where the finest level is cut in space.
+    /// A level as a shape, and its bound as JSON; `None` if the finest level is split into tiles.
     fn level(&self, py: Python<'_>, number: usize) -> PyResult<Option<(Source, String)>> {
-        let made = Arc::clone(&self.made);
-        let found = work::run(py, None, move |_| {
-            let (scene, bound) = made.level(number)?;
+        let outcome = Arc::clone(&self.outcome);
+        let level = work::run(py, None, move |_| {
+            let (scene, bound) = outcome.level(number)?;
             let input = Input::made(Shape::Scene(scene.into_owned()), Format::Glb);
             let bound = serde_json::to_string(&BoundFacts::new(bound)).ok()?;
             Some((input, bound))
         })?;
-        Ok(found.map(|(input, bound)| (Source::from_input(input, Vec::new()), bound)))
+        Ok(level.map(|(input, bound)| (Source::from_input(input, Vec::new()), bound)))
     }
 
     /// The bytes of a glTF of all levels.
     fn write<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
         let format: Format = format.parse().map_err(|error| failure::argument("format", error))?;
-        let made = Arc::clone(&self.made);
+        let outcome = Arc::clone(&self.outcome);
         let written = work::run(py, None, move |_| {
             let mut bytes = Vec::new();
-            made.write(format, &mut bytes).map(|()| bytes)
+            outcome.write(format, &mut bytes).map(|()| bytes)
         })?;
         Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
     }
 
-    /// The files of a tileset: that which names all others, and these with their names.
+    /// The files of a tileset: the document, and the tiles with their names.
     fn tileset<'py>(&self, py: Python<'py>) -> PyResult<FileBytes<'py>> {
-        let made = Arc::clone(&self.made);
-        let files = work::run(py, None, move |_| made.tileset().map(FileSet::into_owned))?;
+        let outcome = Arc::clone(&self.outcome);
+        let files = work::run(py, None, move |_| outcome.tileset().map(FileSet::into_owned))?;
         Ok(file_bytes(py, files.map_err(|error| failure::mesh(py, error))?))
     }
 }

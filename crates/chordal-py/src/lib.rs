@@ -1,7 +1,7 @@
 //! The compiled part of the Python package: translates Python's arguments into verbs. It holds no geometry.
 //!
-//! `python/chordal` is the other part: the names that people use, their documentation, and all that Python
-//! says best. What crosses between the two is plain: numbers, texts, bytes, JSON, and a few frozen objects
+//! `python/chordal` is the other part: the public names, their documentation, and everything that is easier
+//! in Python. Only plain values cross between the two: numbers, texts, bytes, JSON, and a few frozen objects
 //! that hold shapes.
 mod array;
 mod block;

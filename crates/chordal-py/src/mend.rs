@@ -7,7 +7,7 @@ use chordal_io::{Format, UnknownFormat};
 use chordal_verbs::{Duplicates, HoleSelection, MendSpec, NestedShells, WeldTolerance};
 use pyo3::prelude::*;
 
-/// The cures that are asked for, in Python's words.
+/// The requested cures, as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct MendArguments {
@@ -28,7 +28,7 @@ pub(crate) struct MendArguments {
     drop_unused: bool,
 }
 
-fn closeness(name: &str, text: &str) -> PyResult<WeldTolerance> {
+fn weld_tolerance(name: &str, text: &str) -> PyResult<WeldTolerance> {
     if text.is_empty() {
         return Ok(WeldTolerance::Exact);
     }
@@ -37,9 +37,9 @@ fn closeness(name: &str, text: &str) -> PyResult<WeldTolerance> {
 
 impl MendArguments {
     fn spec(self) -> PyResult<MendSpec> {
-        let usual = if self.all { MendSpec::ALL } else { MendSpec::default() };
-        let weld = self.weld.map(|text| closeness("weld", &text)).transpose()?;
-        let resolved = self.resolve_t_junctions.map(|text| closeness("resolve_t_junctions", &text));
+        let base = if self.all { MendSpec::ALL } else { MendSpec::default() };
+        let weld = self.weld.map(|text| weld_tolerance("weld", &text)).transpose()?;
+        let t_junctions = self.resolve_t_junctions.map(|text| weld_tolerance("resolve_t_junctions", &text));
         let duplicates = self.drop_duplicates.map(|which| match which.as_str() {
             "any" => Ok(Duplicates::EitherWay),
             "alike" => Ok(Duplicates::SameWay),
@@ -50,25 +50,25 @@ impl MendArguments {
             "cavity" => NestedShells::Cavity,
             which => return Err(failure::argument("nested", format!("'keep' or 'cavity', not '{which}'"))),
         };
-        let holes = self.fill_holes.map(|most| match most {
+        let holes = self.fill_holes.map(|max_edges| match max_edges {
             0 => HoleSelection::All,
-            most => HoleSelection::UpTo(most),
+            max_edges => HoleSelection::UpTo(max_edges),
         });
         Ok(MendSpec {
-            weld: weld.or(usual.weld),
-            drop_duplicates: duplicates.transpose()?.or(usual.drop_duplicates),
-            drop_degenerate: self.drop_degenerate || usual.drop_degenerate,
-            resolve_t_junctions: resolved.transpose()?.or(usual.resolve_t_junctions),
-            split_non_manifold: self.split_nonmanifold || usual.split_non_manifold,
-            orient: self.orient || usual.orient,
+            weld: weld.or(base.weld),
+            drop_duplicates: duplicates.transpose()?.or(base.drop_duplicates),
+            drop_degenerate: self.drop_degenerate || base.drop_degenerate,
+            resolve_t_junctions: t_junctions.transpose()?.or(base.resolve_t_junctions),
+            split_non_manifold: self.split_nonmanifold || base.split_non_manifold,
+            orient: self.orient || base.orient,
             nested,
-            fill_holes: holes.or(usual.fill_holes),
-            drop_unused: self.drop_unused || usual.drop_unused,
+            fill_holes: holes.or(base.fill_holes),
+            drop_unused: self.drop_unused || base.drop_unused,
         })
     }
 }
 
-/// The triangles after repairs, as a file of that format would have them.
+/// The triangles after repairs, rounded as in a file of a format.
 #[pyfunction]
 pub(crate) fn mend(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! `Outcome`: triangles or polylines with all that is known of them, and the way back to their source.
+//! `Outcome`: triangles or polylines with their certificate, and the order that made them.
 use crate::array::Array;
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
@@ -23,22 +23,22 @@ use pyo3::types::PyBytes;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// What is to be made of what.
+/// An input and the task to run on it.
 #[derive(Clone)]
 pub(crate) struct MeshOrder {
     pub input: Arc<Input>,
     /// The file that it was read from.
     pub name: Option<String>,
     pub task: MeshTask,
-    /// The calls of the Python functions in it.
+    /// The calls of the Python functions in the input.
     pub calls: Vec<Arc<CallLog>>,
 }
 
-/// What is done with it.
+/// The task for an input.
 #[derive(Clone)]
 pub(crate) enum MeshTask {
     Mesh(BudgetSpec, Patience),
-    /// It is combined with others, from left to right.
+    /// A Boolean with other solids, from left to right.
     Combine(Vec<BooleanOperand>, BudgetSpec, Patience),
     Mend(MendSpec),
 }
@@ -52,7 +52,7 @@ impl MeshTask {
         }
     }
 
-    /// What progress calls it, until the work itself says more.
+    /// The name of the first stage of progress.
     fn name(&self) -> &'static str {
         match self {
             Self::Combine(..) => "combine",
@@ -60,7 +60,7 @@ impl MeshTask {
         }
     }
 
-    /// How long a field is worked on.
+    /// The limits of the work on a field.
     fn patience(&self) -> Patience {
         match self {
             Self::Mesh(_, patience) | Self::Combine(_, _, patience) => *patience,
@@ -68,7 +68,7 @@ impl MeshTask {
         }
     }
 
-    /// After how long the best is taken.
+    /// The time after which the best result so far is taken.
     fn time_limit(&self, shape: &Shape) -> Option<Duration> {
         let Patience { within, proof } = self.patience();
         match self {
@@ -86,21 +86,21 @@ impl MeshTask {
     }
 }
 
-/// What came of it.
+/// The result of an order.
 #[derive(Clone)]
 struct MeshRun {
     outcome: Arc<MeshOutcome>,
-    /// Its certificate in Python's words; the file has the command's.
-    told: Certificate,
+    /// The certificate in the spelling of Python; the file has that of the command.
+    certificate: Certificate,
     rows: OutcomeRows,
-    /// Why it misses the budget, in a sentence, if it does.
+    /// Why it misses the budget, if it does.
     unmet: Option<String>,
-    took: Duration,
-    /// Points that the Python functions were asked for meanwhile, if there are any.
+    duration: Duration,
+    /// The points at which Python functions were evaluated meanwhile, if there are such functions.
     evaluations: Option<u64>,
 }
 
-/// The numbers that Python sees.
+/// The arrays for Python.
 #[derive(Clone)]
 enum OutcomeRows {
     Triangles(Arc<TriangleRows>),
@@ -112,19 +112,19 @@ impl MeshOrder {
         let start = Instant::now();
         let mut job = job.clone();
         job.proof_effort = self.task.patience().proof;
-        let asked = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
-        let before = asked();
-        let made = self.task.apply(Input::clone(&self.input), to, &job);
-        let (outcome, unmet) = match made {
+        let n_points = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
+        let n_before = n_points();
+        let result = self.task.apply(Input::clone(&self.input), to, &job);
+        let (outcome, unmet) = match result {
             Ok(outcome) => (outcome, None),
             Err(failure) => match (failure.to_string(), failure) {
                 (sentence, MeshFailure::Unmet(best)) => (*best, Some(sentence)),
                 (_, failure) => return Err(failure),
             },
         };
-        let took = start.elapsed();
-        let evaluations = (!self.calls.is_empty()).then(|| asked() - before);
-        let told = outcome.certificate.clone().spelled(&Keywords);
+        let duration = start.elapsed();
+        let evaluations = (!self.calls.is_empty()).then(|| n_points() - n_before);
+        let certificate = outcome.certificate.clone().spelled(&Keywords);
         let outcome = Arc::new(outcome.spelled(&CommandLine));
         let rows = match &outcome.made {
             Tessellation::Triangles(_) => {
@@ -134,49 +134,49 @@ impl MeshOrder {
                 OutcomeRows::Lines(Arc::new(PolylineRows::from_polylines(lines)))
             }
         };
-        Ok(MeshRun { outcome, told, rows, unmet, took, evaluations })
+        Ok(MeshRun { outcome, certificate, rows, unmet, duration, evaluations })
     }
 }
 
-/// Triangles or polylines with all that is known of them, and the way back to their source.
+/// Triangles or polylines with their certificate, and the order that made them.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Outcome {
     order: MeshOrder,
-    /// The form that it was made for.
+    /// The form of the file that it was made for.
     form: OutputForm,
-    filled: MeshRun,
+    run: MeshRun,
 }
 
 impl Outcome {
-    /// Makes what was ordered, for that format.
+    /// Runs an order for a form of file.
     pub(crate) fn new(
         py: Python<'_>,
         order: MeshOrder,
         form: OutputForm,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let own = order.clone();
+        let job_order = order.clone();
         let listener = ProgressListener::new(progress, order.task.name());
         let limit = order.task.time_limit(&order.input.shape);
-        let filled = work::run_within(py, listener, limit, move |job| own.run(form, job))?;
-        let filled = filled.map_err(|error| failure::mesh(py, error))?;
-        Ok(Self { order, form, filled })
+        let run = work::run_within(py, listener, limit, move |job| job_order.run(form, job))?;
+        let run = run.map_err(|error| failure::mesh(py, error))?;
+        Ok(Self { order, form, run })
     }
 }
 
 #[pymethods]
 impl Outcome {
-    /// Why it misses its budget, in a sentence, if it does.
+    /// Why it misses its budget, if it does.
     #[getter]
     fn unmet(&self) -> Option<&str> {
-        self.filled.unmet.as_deref()
+        self.run.unmet.as_deref()
     }
 
     /// The report, as JSON.
     #[getter]
     fn report(&self) -> String {
-        let MeshRun { told, took, evaluations, .. } = &self.filled;
-        let (input, seconds) = (self.order.name.clone(), Some(took.as_secs_f64()));
+        let MeshRun { certificate, duration, evaluations, .. } = &self.run;
+        let (input, seconds) = (self.order.name.clone(), Some(duration.as_secs_f64()));
         let run = RunFacts {
             verb: self.order.task.verb(),
             input,
@@ -184,23 +184,23 @@ impl Outcome {
             evaluations: *evaluations,
             ..RunFacts::default()
         };
-        Report::new(told.clone(), run).to_value().to_string()
+        Report::new(certificate.clone(), run).to_value().to_string()
     }
 
-    /// The numbers of that name: "vertices" and "faces" of triangles; "points", "places", "starts", "closed"
-    /// and "sources" of polylines.
+    /// An array by its name: "vertices" and "faces" of triangles; "points", "places", "starts", "closed" and
+    /// "sources" of polylines.
     fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
-        let array = match &self.filled.rows {
+        let array = match &self.run.rows {
             OutcomeRows::Triangles(rows) => rows.array(name),
             OutcomeRows::Lines(rows) => PolylineRows::array(rows, name),
         };
         array.ok_or_else(|| failure::internal(py, &format!("there are no {name}, or too many")))
     }
 
-    /// The triangles as a shape of their own, as a file of them holds it: with the certificate, so that what is made of
-    /// them knows how far they are from what they were made of.
+    /// The triangles as a shape, as if read from their file: with the certificate, so that later results
+    /// include their error.
     fn source(&self, py: Python<'_>) -> PyResult<Source> {
-        let outcome = Arc::clone(&self.filled.outcome);
+        let outcome = Arc::clone(&self.run.outcome);
         let input = work::run(py, None, move |_| {
             let certificate = Some(outcome.certificate.to_value());
             let scene = Scene { certificate, ..outcome.scene()?.clone() };
@@ -213,8 +213,8 @@ impl Outcome {
         Ok(Source::from_input(input, Vec::new()))
     }
 
-    /// The same shape within the same budget for a file of that format, whose rounding then counts. A glTF may be
-    /// quantized, and compressed by a codec.
+    /// The same shape within the same budget for another format, whose rounding counts towards the budget. A
+    /// glTF may be quantized, and compressed by a codec.
     fn remake(
         &self,
         py: Python<'_>,
@@ -224,14 +224,14 @@ impl Outcome {
     ) -> PyResult<Self> {
         let form = form_of(format, packing.0, packing.1.as_deref())?;
         if form == self.form {
-            return Ok(Self { order: self.order.clone(), form, filled: self.filled.clone() });
+            return Ok(Self { order: self.order.clone(), form, run: self.run.clone() });
         }
         Self::new(py, self.order.clone(), form, progress)
     }
 
     /// The bytes of a file of the format that it was made for.
     fn write<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let outcome = Arc::clone(&self.filled.outcome);
+        let outcome = Arc::clone(&self.run.outcome);
         let written = work::run(py, None, move |_| {
             let mut bytes = Vec::new();
             outcome.write(&mut bytes).map(|()| bytes)
@@ -239,27 +239,27 @@ impl Outcome {
         Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
     }
 
-    /// Whether its format names files beside it for what was made: an OBJ its materials.
+    /// Whether the file references other files, as an OBJ its materials.
     #[getter]
     fn names_files(&self) -> bool {
-        self.filled.outcome.names_files()
+        self.run.outcome.names_files()
     }
 
-    /// The file as [`Self::write`] makes it, but naming files beside it, and the names and bytes of these. Names
-    /// begin with `stem`.
+    /// The file as of [`Self::write`], but with references to other files, and the names and bytes of these.
+    /// The names begin with `stem`.
     fn write_files<'py>(&self, py: Python<'py>, stem: String) -> PyResult<FileBytes<'py>> {
-        let outcome = Arc::clone(&self.filled.outcome);
+        let outcome = Arc::clone(&self.run.outcome);
         let written =
             work::run(py, None, move |_| outcome.write_files(&stem).map(|files| files.into_owned()))?;
         Ok(file_bytes(py, written.map_err(|error| failure::write(py, &error))?))
     }
 }
 
-/// A format, and how a glTF stores its numbers.
+/// A format with the packing of a glTF.
 pub(crate) fn form_of(format: &str, quantize: bool, compress: Option<&str>) -> PyResult<OutputForm> {
     let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
     if compress.is_some_and(|codec| codec != "meshopt") {
-        return Err(failure::argument("compress", "'meshopt' is the one codec"));
+        return Err(failure::argument("compress", "'meshopt' is the only codec"));
     }
     let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: quantize };
     if packing != GltfPacking::default() && !to.is_gltf() {
@@ -270,11 +270,11 @@ pub(crate) fn form_of(format: &str, quantize: bool, compress: Option<&str>) -> P
     Ok(OutputForm { format: to, packing })
 }
 
-/// A file and those beside it, as Python sees them.
+/// A file and the files that it references, for Python.
 pub(crate) fn file_bytes<'py>(py: Python<'py>, files: FileSet<'_>) -> FileBytes<'py> {
     let beside = files.beside.iter().map(|file| (file.name.clone(), PyBytes::new(py, &file.bytes)));
     (PyBytes::new(py, &files.document), beside.collect())
 }
 
-/// The bytes of a file, and those beside it with their names.
+/// The bytes of a file, and of the files that it references with their names.
 pub(crate) type FileBytes<'py> = (Bound<'py, PyBytes>, Vec<(String, Bound<'py, PyBytes>)>);

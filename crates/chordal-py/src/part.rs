@@ -1,4 +1,4 @@
-//! Parts of a surface that is never in one place: simplified, joined, and written as tiles.
+//! Parts of a surface that never is in one memory: simplified, joined, and written as tiles.
 use crate::block::{
     BlockArguments, BoundState, bound_of_state, mesh_block, mesh_labels, normals_of, scene_of, state_of_bound,
 };
@@ -18,14 +18,14 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 
-/// Where a part is in its lattice.
+/// The place of a part in its lattice.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct BoxArguments {
-    /// The index of the first sample, and of the last one.
+    /// The indices of the first and the last sample.
     low: [i64; 3],
     high: [i64; 3],
-    /// For each axis whether another part is beyond its low and its high side.
+    /// For each axis whether other parts adjoin its low and its high side.
     goes_on: [[bool; 2]; 3],
 }
 
@@ -39,26 +39,27 @@ impl BoxArguments {
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct FragmentArguments {
-    /// The index of its first sample, and its cells along each axis.
+    /// The index of the first sample, and the number of cells along each axis.
     low: [i64; 3],
     sides: [i64; 3],
     affine: [[f64; 4]; 3],
     is_halved: bool,
 }
 
-/// Of a fragment: three whole numbers of 32 bits a vertex, three indices a triangle, in the order of the machine; which
-/// eighths of its box have triangles, and how far the part was moved at most.
+/// A fragment: three integers of 32 bits a vertex and three indices a triangle, in native byte order; the
+/// octants of its box that have triangles, and the largest distance by which a vertex was moved.
 type FragmentState<'py> = (pyo3::Bound<'py, PyBytes>, pyo3::Bound<'py, PyBytes>, u8, f64);
 
 /// A part of a surface.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct BlockPart(Arc<SurfacePart>);
 
-/// What a tileset says of a tile: its name, the box of its content (low, then high), its bound, its triangles, and its
-/// children by their numbers in the list.
+/// An entry of a tileset: the name of the tile, the box of its content (low, then high), its bound, its
+/// number of triangles, and its children by their indices in the list.
 type EntryState = (String, [f64; 6], BoundState, u64, Vec<usize>);
 
-/// The triangles of a block; `None` where it has none. With the samples around it, and where these begin, vertices have normals.
+/// The triangles of a block; `None` if it has none. With `around`, the samples of the block and around it and
+/// their place, vertices get normals.
 #[pyfunction]
 pub(crate) fn part(
     py: Python<'_>,
@@ -67,16 +68,17 @@ pub(crate) fn part(
     place: BoxArguments,
     around: Option<(Py<Source>, BlockArguments)>,
 ) -> PyResult<Option<BlockPart>> {
-    let mut made = mesh_block(py, samples, &arguments)?;
-    if let Some((samples, arguments)) = around.filter(|_| !made.faces.is_empty()) {
-        let known = normals_of(py, samples.get(), &arguments)?;
+    let mut block = mesh_block(py, samples, &arguments)?;
+    if let Some((samples, arguments)) = around.filter(|_| !block.faces.is_empty()) {
+        let normals = normals_of(py, samples.get(), &arguments)?;
         let normal = |key: &VertexKey| {
-            let at = known.binary_search_by_key(key, |(known, _)| *known);
-            at.map(|at| known[at].1).map_err(|_| failure::argument("around", "these are other samples"))
+            let row = normals.binary_search_by_key(key, |(known, _)| *known);
+            row.map(|row| normals[row].1)
+                .map_err(|_| failure::argument("around", "these are not the samples around the block"))
         };
-        made.normals = made.vertex_keys.iter().map(normal).collect::<PyResult<_>>()?;
+        block.normals = block.vertex_keys.iter().map(normal).collect::<PyResult<_>>()?;
     }
-    Ok(SurfacePart::from_block(made, &place.place()).map(|part| BlockPart(Arc::new(part))))
+    Ok(SurfacePart::from_block(block, &place.place()).map(|part| BlockPart(Arc::new(part))))
 }
 
 /// The triangles of each label in a block.
@@ -92,7 +94,7 @@ pub(crate) fn label_parts(
     Ok(mesh_labels(py, samples, &arguments)?.into_iter().filter_map(part).collect())
 }
 
-/// Parts that fill a box as one.
+/// Joins parts that fill a box.
 #[pyfunction]
 pub(crate) fn join_parts(
     py: Python<'_>,
@@ -100,8 +102,8 @@ pub(crate) fn join_parts(
     place: BoxArguments,
 ) -> PyResult<BlockPart> {
     let parts: Vec<Arc<SurfacePart>> = parts.iter().map(|part| Arc::clone(&part.get().0)).collect();
-    let made = work::run(py, None, move |_| SurfacePart::join(&parts, &place.place()))?;
-    made.map(|part| BlockPart(Arc::new(part))).map_err(|error| failure::mesh(py, error.into()))
+    let joined = work::run(py, None, move |_| SurfacePart::join(&parts, &place.place()))?;
+    joined.map(|part| BlockPart(Arc::new(part))).map_err(|error| failure::mesh(py, error.into()))
 }
 
 /// The document of a tileset.
@@ -132,33 +134,33 @@ impl BlockPart {
         self.0.mesh.faces().len()
     }
 
-    /// The number of vertices at which other parts go on.
+    /// The number of vertices shared with other parts.
     #[getter]
     fn n_shared(&self) -> usize {
         self.0.shared.len()
     }
 
-    /// The upper end of its bound.
+    /// The upper bound of the error.
     #[getter]
     fn at_most(&self) -> f64 {
         self.0.bound.at_most().unwrap_or(f64::INFINITY)
     }
 
-    /// Fewer triangles within a length of these.
+    /// Fewer triangles, within a length of the part's.
     fn simplified(&self, py: Python<'_>, length: f64) -> PyResult<Self> {
         let length = Tolerance::new(length).map_err(|error| failure::argument("length", error))?;
         let part = Arc::clone(&self.0);
-        let made = work::run(py, None, move |job| part.simplified(length, job))?;
-        made.map(|(part, _)| Self(Arc::new(part))).map_err(|error| failure::mesh(py, error.into()))
+        let simplified = work::run(py, None, move |job| part.simplified(length, job))?;
+        simplified.map(|(part, _)| Self(Arc::new(part))).map_err(|error| failure::mesh(py, error.into()))
     }
 
     /// The same in single precision about an origin.
     fn rounded(&self, py: Python<'_>, origin: [f64; 3]) -> PyResult<Self> {
-        let made = rounded_part(&self.0, origin).map_err(|error| failure::mesh(py, error))?;
-        Ok(Self(Arc::new(made)))
+        let rounded = rounded_part(&self.0, origin).map_err(|error| failure::mesh(py, error))?;
+        Ok(Self(Arc::new(rounded)))
     }
 
-    /// Its file, and what a tileset says of it.
+    /// The file of the tile, and its entry in a tileset.
     fn tile<'py>(
         &self,
         py: Python<'py>,
@@ -166,15 +168,15 @@ impl BlockPart {
         metres_per_unit: Option<f64>,
     ) -> PyResult<(pyo3::Bound<'py, PyBytes>, EntryState)> {
         let frame = Frame { metres_per_unit, ..Frame::default() };
-        let made = part_tile(SurfacePart::clone(&self.0), frame, name, Vec::new())
+        let tile = part_tile(SurfacePart::clone(&self.0), frame, name, Vec::new())
             .map_err(|error| failure::mesh(py, error))?;
-        let TileEntry { name, bounds: Box3 { min, max }, bound, triangles, children } = made.entry;
-        let ends = [min[0], min[1], min[2], max[0], max[1], max[2]];
-        Ok((PyBytes::new(py, &made.glb), (name, ends, state_of_bound(&bound), triangles, children)))
+        let TileEntry { name, bounds: Box3 { min, max }, bound, triangles, children } = tile.entry;
+        let corners = [min[0], min[1], min[2], max[0], max[1], max[2]];
+        Ok((PyBytes::new(py, &tile.glb), (name, corners, state_of_bound(&bound), triangles, children)))
     }
 
-    /// A fragment of Neuroglancer's meshes: the number of vertices, their coordinates times a scale in single precision, and
-    /// three indices for each triangle; all little-endian.
+    /// A fragment of Neuroglancer's legacy mesh format: the number of vertices, their coordinates times a
+    /// scale in single precision, and three indices for each triangle; all little-endian.
     fn fragment<'py>(&self, py: Python<'py>, scale: f64) -> pyo3::Bound<'py, PyBytes> {
         let mesh = &self.0.mesh;
         let mut bytes = (mesh.positions().len() as u32).to_le_bytes().to_vec();
@@ -184,7 +186,7 @@ impl BlockPart {
         PyBytes::new(py, &bytes)
     }
 
-    /// A fragment of Neuroglancer's meshes of several levels, before Draco.
+    /// A fragment of Neuroglancer's multi-resolution mesh format, before its compression by Draco.
     fn lattice_fragment<'py>(
         &self,
         py: Python<'py>,
@@ -195,45 +197,50 @@ impl BlockPart {
         let affine = Affine3::new(affine).map_err(|error| failure::argument("affine", error))?;
         let within = FragmentBox { low, sides, affine, is_halved };
         let part = Arc::clone(&self.0);
-        let made = work::run(py, None, move |_| LatticeFragment::new(&part, &place.place(), &within))?;
-        let made = made.map_err(|error| failure::mesh(py, error.into()))?;
-        let numbers = made.positions.as_flattened().iter().flat_map(|x| i32::from(*x).to_ne_bytes());
-        let indices = made.faces.as_flattened().iter().flat_map(|row| row.to_ne_bytes());
+        let fragment = work::run(py, None, move |_| LatticeFragment::new(&part, &place.place(), &within))?;
+        let fragment = fragment.map_err(|error| failure::mesh(py, error.into()))?;
+        let numbers = fragment.positions.as_flattened().iter().flat_map(|x| i32::from(*x).to_ne_bytes());
+        let indices = fragment.faces.as_flattened().iter().flat_map(|row| row.to_ne_bytes());
         let (numbers, indices): (Vec<u8>, Vec<u8>) = (numbers.collect(), indices.collect());
-        Ok((PyBytes::new(py, &numbers), PyBytes::new(py, &indices), made.octants, made.moved_at_most))
+        Ok((PyBytes::new(py, &numbers), PyBytes::new(py, &indices), fragment.octants, fragment.moved_at_most))
     }
 
-    /// Its triangles as a scene, and its bound as JSON.
+    /// The triangles as a scene, and their bound as JSON.
     fn source(&self, py: Python<'_>, metres_per_unit: Option<f64>) -> PyResult<(Source, String)> {
         let part = Arc::clone(&self.0);
-        let made = work::run(py, None, move |_| {
+        let scene = work::run(py, None, move |_| {
             Ok::<_, JobError>(scene_of(part.mesh.clone(), &part.bound, metres_per_unit))
         })?;
-        let (input, bound) = made.map_err(|error| failure::mesh(py, error.into()))?;
+        let (input, bound) = scene.map_err(|error| failure::mesh(py, error.into()))?;
         Ok((Source::from_input(input, Vec::new()), bound))
     }
 
-    /// All of it as bytes: what [`Self::of_state`] makes the same part of.
+    /// The part as bytes, from which [`Self::of_state`] restores it.
     fn state<'py>(&self, py: Python<'py>) -> (pyo3::Bound<'py, PyBytes>, BoundState) {
         (PyBytes::new(py, &bytes_of(&self.0)), state_of_bound(&self.0.bound))
     }
 
-    /// The part of such a state.
+    /// The part of a state.
     #[staticmethod]
     fn of_state(bytes: PyBackedBytes, bound: BoundState) -> PyResult<Self> {
-        let wrong = || failure::argument("state", "these are no bytes of a part");
+        let wrong = || failure::argument("state", "the bytes are not those of a part");
         let mut part = part_of_bytes(&bytes).ok_or_else(wrong)?;
         part.bound = bound_of_state(bound);
         Ok(Self(Arc::new(part)))
     }
 }
 
-/// Bytes of one number.
+/// The bytes of a number of 64 bits.
 const NUMBER: usize = 8;
-/// Numbers of a row of what is shared: the row, x, y, z, kind.
+/// The numbers of a shared vertex: its index, x, y, z, kind. Defined by [`bytes_of`].
 const SHARED_ROW: usize = 5;
 
-/// How many positions, faces, shared rows and normals there are, and each of these; all little-endian.
+/// The numbers of positions, faces, shared vertices and normals, then all of these; little-endian.
+///
+/// ```text
+/// 4 counts | positions | normals | shared rows | faces
+///    u64        3 × f64   3 × f64    5 × i64     3 × u32
+/// ```
 fn bytes_of(part: &SurfacePart) -> Vec<u8> {
     let mesh = &part.mesh;
     let is_normal = |attribute: &&Attribute| attribute.semantic == Semantic::Normal;
@@ -254,19 +261,19 @@ fn bytes_of(part: &SurfacePart) -> Vec<u8> {
 fn part_of_bytes(bytes: &[u8]) -> Option<SurfacePart> {
     let (numbers, _) = bytes.as_chunks::<NUMBER>();
     let (counts, numbers) = numbers.split_at_checked(4)?;
-    let count = |at: usize| usize::try_from(u64::from_le_bytes(counts[at])).ok();
+    let count = |k: usize| usize::try_from(u64::from_le_bytes(counts[k])).ok();
     let [positions, faces, shared, normals] = [count(0)?, count(1)?, count(2)?, count(3)?];
-    let take = |of: usize, width: usize| of.checked_mul(width);
-    let (coordinates, numbers) = numbers.split_at_checked(take(positions, 3)?)?;
-    let (directions, numbers) = numbers.split_at_checked(take(normals, 3)?)?;
-    let (keys, _) = numbers.split_at_checked(take(shared, SHARED_ROW)?)?;
+    let length = |rows: usize, width: usize| rows.checked_mul(width);
+    let (coordinates, numbers) = numbers.split_at_checked(length(positions, 3)?)?;
+    let (directions, numbers) = numbers.split_at_checked(length(normals, 3)?)?;
+    let (keys, _) = numbers.split_at_checked(length(shared, SHARED_ROW)?)?;
     let before = NUMBER * (4 + 3 * (positions + normals) + SHARED_ROW * shared);
-    let (indices, odd) = bytes.get(before..)?.as_chunks::<4>();
-    if !odd.is_empty() || indices.len() != take(faces, 3)? {
+    let (indices, rest) = bytes.get(before..)?.as_chunks::<4>();
+    if !rest.is_empty() || indices.len() != length(faces, 3)? {
         return None;
     }
-    let points = |of: &[[u8; NUMBER]]| -> Vec<[f64; 3]> {
-        of.as_chunks::<3>().0.iter().map(|point| point.map(f64::from_le_bytes)).collect()
+    let points = |numbers: &[[u8; NUMBER]]| -> Vec<[f64; 3]> {
+        numbers.as_chunks::<3>().0.iter().map(|point| point.map(f64::from_le_bytes)).collect()
     };
     let corners = indices.as_chunks::<3>().0.iter().map(|face| face.map(u32::from_le_bytes)).collect();
     let mut mesh = Mesh::new(points(coordinates), corners).ok()?;

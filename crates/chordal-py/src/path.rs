@@ -1,4 +1,5 @@
-//! Paths from and for Python: those of the language of scripts, points on them, and cubics near them and near points.
+//! Paths for Python: paths of the script language, points on paths, and cubics that approximate paths or
+//! points.
 use crate::script_value::ScriptValue;
 use crate::source::Source;
 use crate::spec::parse_argument;
@@ -17,22 +18,22 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 
-/// The path that is all of a shape.
+/// The path of a shape that is a single path.
 ///
 /// # Errors
-/// A sentence where it is no path, or several.
+/// A sentence, if the shape is no path or several.
 pub(crate) fn path_of(shape: &Shape) -> Result<ScriptPath, String> {
-    let many = |n: usize| format!("a path is one curve, and these are {n}");
+    let many = |n: usize| format!("expected one curve as a path, not {n}");
     match shape {
         Shape::Drawing(drawing) => match &drawing.lines[..] {
-            [one] => Ok(one.clone().into()),
+            [line] => Ok(line.clone().into()),
             lines => Err(many(lines.len())),
         },
         Shape::Curves(curves) => match &curves.lines[..] {
-            [one] => Ok(one.clone().into()),
+            [line] => Ok(line.clone().into()),
             lines => Err(many(lines.len())),
         },
-        other => Err(format!("a path is a curve, and these are {}", other.kind())),
+        other => Err(format!("expected a curve as a path, not {}", other.kind())),
     }
 }
 
@@ -44,18 +45,18 @@ fn path_set<const D: usize>(lines: Vec<Curve<D>>, frame: Frame) -> PathSet<Curve
     PathSet { lines, owners: (0..n as u32).collect(), elements, frame, ..PathSet::default() }
 }
 
-/// The bytes that stand for a path in a digest: its control points and weights, as they are printed with all digits.
+/// A path as a source. Its digest is that of its control points and weights, printed with all digits.
 fn source_of(path: ScriptPath, frame: Frame) -> Source {
     let bytes = format!("{path:?}").into_bytes();
     let shape = match path {
         ScriptPath::Plane(curve) => Shape::Drawing(path_set(vec![curve], frame)),
         ScriptPath::Space(curve) => Shape::Curves(path_set(vec![curve], frame)),
     };
-    made(shape, &bytes)
+    source_with_digest(shape, &bytes)
 }
 
-/// A shape that was made of bytes that are no file.
-pub(crate) fn made(shape: Shape, bytes: &[u8]) -> Source {
+/// A shape without a file; its digest is that of `bytes`.
+pub(crate) fn source_with_digest(shape: Shape, bytes: &[u8]) -> Source {
     let (n_bytes, digest) = (bytes.len() as u64, sha256(bytes).into());
     let input = Input { n_bytes, digest, ..Input::made(shape, Format::Json) };
     Source::from_input(input, Vec::new())
@@ -67,7 +68,7 @@ pub(crate) fn frame_in(unit: Option<&str>) -> PyResult<Frame> {
     Ok(Frame { up: None, metres_per_unit, ..Frame::default() })
 }
 
-/// Numbers in double precision and the byte order of the machine.
+/// Numbers in double precision and native byte order.
 pub(crate) fn numbers(bytes: &[u8]) -> Vec<f64> {
     let (rows, _) = bytes.as_chunks::<{ size_of::<f64>() }>();
     rows.iter().map(|row| f64::from_ne_bytes(*row)).collect()
@@ -77,34 +78,34 @@ fn bytes_of<const D: usize>(points: &[[f64; D]]) -> Vec<u8> {
     points.as_flattened().iter().flat_map(|x| x.to_ne_bytes()).collect()
 }
 
-/// A bound as reports have it, as JSON.
+/// A bound as JSON, as in reports.
 fn facts(py: Python<'_>, bound: &Bound) -> PyResult<String> {
     serde_json::to_string(&BoundFacts::new(bound)).map_err(|error| failure::internal(py, &error.to_string()))
 }
 
-/// A path of the language as one that was read.
+/// A path of the script language as a source.
 #[pyfunction]
 pub(crate) fn path_source(value: &ScriptValue, unit: Option<&str>) -> PyResult<Source> {
-    let path = value.path().ok_or_else(|| PyValueError::new_err("this is no path"))?;
+    let path = value.path().ok_or_else(|| PyValueError::new_err("this is not a path"))?;
     Ok(source_of(path.clone(), frame_in(unit)?))
 }
 
-/// The numbers of curves, of pieces in all, and of coordinates; and whether the curve, if it is one, is closed.
+/// The number of curves, of all pieces, and of coordinates; and whether it is a single closed curve.
 #[pyfunction]
 pub(crate) fn path_facts(source: &Source) -> PyResult<(usize, usize, usize, bool)> {
-    fn of<const D: usize>(paths: &PathSet<Curve<D>>) -> (usize, usize, usize, bool) {
+    fn facts_of<const D: usize>(paths: &PathSet<Curve<D>>) -> (usize, usize, usize, bool) {
         let n_pieces = paths.lines.iter().map(|line| line.segments().len()).sum();
-        (paths.lines.len(), n_pieces, D, matches!(&paths.lines[..], [one] if one.is_closed()))
+        (paths.lines.len(), n_pieces, D, matches!(&paths.lines[..], [line] if line.is_closed()))
     }
     match source.shape() {
-        Shape::Drawing(drawing) => Ok(of(drawing)),
-        Shape::Curves(curves) => Ok(of(curves)),
+        Shape::Drawing(drawing) => Ok(facts_of(drawing)),
+        Shape::Curves(curves) => Ok(facts_of(curves)),
         other => Err(PyValueError::new_err(format!("{} are no curves", other.kind()))),
     }
 }
 
-/// Points of a path, or its derivatives of order 1 or 2 by the parameter of each piece, at places: the index of the piece
-/// plus the parameter in it. All numbers are in double precision and the byte order of the machine.
+/// Points of a path, or its derivatives of order 1 or 2 by the parameter of each piece. A place is the index
+/// of the piece plus the parameter in it. All numbers are in double precision and native byte order.
 #[pyfunction]
 pub(crate) fn path_at<'py>(
     py: Python<'py>,
@@ -112,7 +113,7 @@ pub(crate) fn path_at<'py>(
     places: PyBackedBytes,
     order: usize,
 ) -> PyResult<pyo3::Bound<'py, PyBytes>> {
-    fn of<const D: usize>(curve: &Curve<D>, places: &[f64], order: usize) -> Vec<u8> {
+    fn evaluated<const D: usize>(curve: &Curve<D>, places: &[f64], order: usize) -> Vec<u8> {
         let at = |s: &f64| match (order, curve.locate(*s)) {
             (1, Some((piece, t))) => curve.segments()[piece].tangent(t),
             (2, Some((piece, t))) => curve.segments()[piece].second_derivative(t),
@@ -125,20 +126,20 @@ pub(crate) fn path_at<'py>(
     let places = numbers(&places);
     let is_few = places.len() <= work::FEW_POINTS;
     let evaluate = move || match path {
-        ScriptPath::Plane(curve) => of(&curve, &places, order),
-        ScriptPath::Space(curve) => of(&curve, &places, order),
+        ScriptPath::Plane(curve) => evaluated(&curve, &places, order),
+        ScriptPath::Space(curve) => evaluated(&curve, &places, order),
     };
-    let found =
+    let bytes =
         if is_few { work::run_briefly(py, evaluate)? } else { work::run(py, None, move |_| evaluate())? };
-    Ok(PyBytes::new(py, &found))
+    Ok(PyBytes::new(py, &bytes))
 }
 
-/// Why an arrow made nothing, as an exception.
-pub(crate) fn unmade<T>(py: Python<'_>, failed: Failure<T>) -> PyErr {
-    match failed {
+/// The failure of an arrow as an exception.
+pub(crate) fn arrow_failure<T>(py: Python<'_>, failure: Failure<T>) -> PyErr {
+    match failure {
         Failure::Refused(why) => failure::refused_error(py, why),
-        Failure::Unmet(_) => failure::internal(py, "a best result that nobody asked for"),
-        Failure::Cancelled => failure::internal(py, "cancelled by nobody"),
+        Failure::Unmet(_) => failure::internal(py, "an unexpected best result"),
+        Failure::Cancelled => failure::internal(py, "an unexpected cancellation"),
     }
 }
 
@@ -150,7 +151,7 @@ fn length(py: Python<'_>, name: &str, length: f64) -> PyResult<Tolerance> {
 /// The same curves as lines and cubics within a length, and the bound as JSON.
 #[pyfunction]
 pub(crate) fn to_cubics(py: Python<'_>, source: &Source, tol: f64) -> PyResult<(Source, String)> {
-    fn of<const D: usize>(
+    fn approximated<const D: usize>(
         paths: PathSet<Curve<D>>,
         tol: Tolerance,
         job: &Job,
@@ -171,22 +172,22 @@ pub(crate) fn to_cubics(py: Python<'_>, source: &Source, tol: f64) -> PyResult<(
     let tol = length(py, "tol", tol)?;
     let (shape, bound) = match source.shape().clone() {
         Shape::Drawing(drawing) => {
-            let made = work::run(py, None, move |job| of(drawing, tol, job))?;
-            let (drawing, bound) = made.map_err(|failed| unmade(py, failed))?;
+            let cubics = work::run(py, None, move |job| approximated(drawing, tol, job))?;
+            let (drawing, bound) = cubics.map_err(|failure| arrow_failure(py, failure))?;
             (Shape::Drawing(drawing), bound)
         }
         Shape::Curves(curves) => {
-            let made = work::run(py, None, move |job| of(curves, tol, job))?;
-            let (curves, bound) = made.map_err(|failed| unmade(py, failed))?;
+            let cubics = work::run(py, None, move |job| approximated(curves, tol, job))?;
+            let (curves, bound) = cubics.map_err(|failure| arrow_failure(py, failure))?;
             (Shape::Curves(curves), bound)
         }
         other => return Err(PyValueError::new_err(format!("{} are no curves", other.kind()))),
     };
     let bytes = format!("{shape:?}").into_bytes();
-    Ok((made(shape, &bytes), facts(py, &bound)?))
+    Ok((source_with_digest(shape, &bytes), facts(py, &bound)?))
 }
 
-/// How a path is fitted.
+/// The options of a fit.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct FitArguments {
@@ -199,8 +200,12 @@ pub(crate) struct FitArguments {
 
 /// A path of few cubics near points of `width` coordinates in a row, and the bound as JSON.
 #[pyfunction]
-pub(crate) fn fit(py: Python<'_>, points: PyBackedBytes, how: FitArguments) -> PyResult<(Source, String)> {
-    fn of<const D: usize>(
+pub(crate) fn fit(
+    py: Python<'_>,
+    points: PyBackedBytes,
+    arguments: FitArguments,
+) -> PyResult<(Source, String)> {
+    fn fitted<const D: usize>(
         points: &[f64],
         (ends, fit): (CurveEnds, &SplineFit),
         job: &Job,
@@ -208,25 +213,25 @@ pub(crate) fn fit(py: Python<'_>, points: PyBackedBytes, how: FitArguments) -> P
     where
         ScriptPath: From<Curve<D>>,
     {
-        let made = points_to_spline(points.as_chunks::<D>().0, ends, fit, job)?;
-        Ok((made.shape.into(), made.bound))
+        let spline = points_to_spline(points.as_chunks::<D>().0, ends, fit, job)?;
+        Ok((spline.shape.into(), spline.bound))
     }
-    let FitArguments { width, tolerance, closed, corners, unit } = how;
+    let FitArguments { width, tolerance, closed, corners, unit } = arguments;
     let frame = frame_in(unit.as_deref())?;
     let fit =
         SplineFit { length: length(py, "tolerance", tolerance)?, corners: Corners::Sharper { deg: corners } };
     let ends = CurveEnds::from(closed);
     let (path, bound) = if width == 2 {
-        let made = work::run(py, None, move |job| of::<2>(&numbers(&points), (ends, &fit), job))?;
-        made.map_err(|failed| unmade(py, failed))?
+        let spline = work::run(py, None, move |job| fitted::<2>(&numbers(&points), (ends, &fit), job))?;
+        spline.map_err(|failure| arrow_failure(py, failure))?
     } else {
-        let made = work::run(py, None, move |job| of::<3>(&numbers(&points), (ends, &fit), job))?;
-        made.map_err(|failed| unmade(py, failed))?
+        let spline = work::run(py, None, move |job| fitted::<3>(&numbers(&points), (ends, &fit), job))?;
+        spline.map_err(|failure| arrow_failure(py, failure))?
     };
     Ok((source_of(path, frame), facts(py, &bound)?))
 }
 
-/// What a drawing fills as a field: the distance to polygons within a length.
+/// The area of a drawing as a field: the distance to polygons that approximate it within a length.
 #[pyfunction]
 pub(crate) fn drawing_field(
     py: Python<'_>,
@@ -238,8 +243,8 @@ pub(crate) fn drawing_field(
         return Err(PyValueError::new_err(format!("{name}: {} are no drawing", source.shape().kind())));
     };
     let tolerance = length(py, "tolerance", tolerance)?;
-    let made = work::run(py, None, move |job| drawing_to_field(&drawing, tolerance, job))?;
-    let (field, sentences) = made.map_err(|why| failure::argument(name, why))?;
+    let result = work::run(py, None, move |job| drawing_to_field(&drawing, tolerance, job))?;
+    let (field, sentences) = result.map_err(|why| failure::argument(name, why))?;
     let notes = sentences.into_iter().map(|sentence| format!("{name}: {sentence}")).collect();
     Ok(ScriptValue::from_field(field, notes))
 }

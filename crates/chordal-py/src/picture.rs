@@ -17,7 +17,7 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 
-/// What a picture shows and from where, in Python's words.
+/// The contents and the view of a picture, as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct PictureArguments {
@@ -47,7 +47,7 @@ impl PictureArguments {
         let viewpoint = match view {
             Some(View::Camera(camera)) => Viewpoint::Camera(camera),
             Some(View::MinDistance(_)) => {
-                let message = "view: a picture is taken from one place: add eye= and target=";
+                let message = "view: a picture needs a camera with a position: add eye= and target=";
                 return Err(failure::budget(py, message));
             }
             None => Viewpoint::Automatic(Screen { width_px, height_px }),
@@ -67,7 +67,7 @@ impl PictureArguments {
         Ok(RenderOptions { show, cull, viewpoint, ..RenderOptions::default() })
     }
 
-    fn fineness(&self, py: Python<'_>) -> PyResult<Option<PictureTolerance>> {
+    fn tolerance(&self, py: Python<'_>) -> PyResult<Option<PictureTolerance>> {
         if let Some(pixels) = self.pixels {
             let pixels =
                 Pixels::new(pixels).map_err(|error| failure::budget(py, &format!("pixels: {error}")))?;
@@ -80,36 +80,37 @@ impl PictureArguments {
     }
 }
 
-/// A picture, and what is said of it.
+/// A picture with its facts.
 struct ShownPicture {
     picture: render::Picture,
-    /// What a file says of it, by name.
-    told: Vec<(String, String)>,
+    /// The text fields of a picture file, by name.
+    texts: Vec<(String, String)>,
     report: String,
     view: String,
     darkest: Option<f64>,
 }
 
 impl ShownPicture {
-    fn from_outcome(made: RenderOutcome, name: Option<String>) -> Self {
+    fn from_outcome(outcome: RenderOutcome, name: Option<String>) -> Self {
         let run = RunFacts { verb: "render", input: name, ..RunFacts::default() };
         Self {
-            told: made.told().map(|(name, text)| (name.to_owned(), text)).into(),
-            report: Report::new(made.certificate, run).to_value().to_string(),
-            view: View::Camera(made.camera).to_string(),
-            picture: made.picture,
-            darkest: made.darkest,
+            texts: outcome.told().map(|(name, text)| (name.to_owned(), text)).into(),
+            report: Report::new(outcome.certificate, run).to_value().to_string(),
+            view: View::Camera(outcome.camera).to_string(),
+            picture: outcome.picture,
+            darkest: outcome.darkest,
         }
     }
 }
 
-/// Columns, rows, pixels, and the texts and numbers of a picture: what [`Picture::of_state`] makes the same of.
+/// Columns, rows, pixels, and the texts and numbers of a picture, from which [`Picture::of_state`] restores
+/// it.
 type PictureState<T> = ((u32, u32), T, Vec<(String, String)>, String, String, Option<f64>);
 
 /// A picture with its certificate.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Picture {
-    made: Arc<ShownPicture>,
+    shown: Arc<ShownPicture>,
 }
 
 /// A picture of a shape, or of its distance from another one.
@@ -121,26 +122,26 @@ pub(crate) fn picture(
     arguments: PictureArguments,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Picture> {
-    let (options, fineness) = (arguments.options(py)?, arguments.fineness(py)?);
+    let (options, tolerance) = (arguments.options(py)?, arguments.tolerance(py)?);
     let darkest = parse_argument::<Length>("darkest", arguments.darkest.as_deref())?;
     let (input, other) = (Arc::clone(source.input()), against.map(|other| Arc::clone(other.input())));
     let is_comb = arguments.show == "comb";
-    let made = work::run(py, ProgressListener::new(progress, "render"), move |job| match other {
+    let outcome = work::run(py, ProgressListener::new(progress, "render"), move |job| match other {
         Some(other) => render_against((*input).clone(), (*other).clone(), darkest, &options, job),
         None if is_comb => render_comb(&input, &options, job),
-        None => render(&input, &options, fineness, job),
+        None => render(&input, &options, tolerance, job),
     })?;
-    let made = made.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
+    let outcome = outcome.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
     let name = source.named_input().name;
-    Ok(Picture { made: Arc::new(ShownPicture::from_outcome(made.spelled(&CommandLine), name)) })
+    Ok(Picture { shown: Arc::new(ShownPicture::from_outcome(outcome.spelled(&CommandLine), name)) })
 }
 
 #[pymethods]
 impl Picture {
     /// Red, green, blue and alpha: rows from the top, pixels from the left.
     fn array(&self) -> Array {
-        Array::new(&self.made, |made| {
-            let picture = &made.picture;
+        Array::new(&self.shown, |shown| {
+            let picture = &shown.picture;
             ArrayData::from_bytes(&picture.rgba, vec![picture.height as usize, picture.width as usize, 4])
         })
     }
@@ -148,52 +149,53 @@ impl Picture {
     /// The report of `chordal render`, as JSON.
     #[getter]
     fn report(&self) -> &str {
-        &self.made.report
+        &self.shown.report
     }
 
-    /// The view that it was taken from, as text.
+    /// The view as text.
     #[getter]
     fn view(&self) -> &str {
-        &self.made.view
+        &self.shown.view
     }
 
     /// The distance of the darkest colour, in a picture of distances.
     #[getter]
     fn darkest(&self) -> Option<f64> {
-        self.made.darkest
+        self.shown.darkest
     }
 
-    /// All of it.
+    /// The state of the picture.
     fn state<'py>(&self, py: Python<'py>) -> PictureState<Bound<'py, PyBytes>> {
-        let ShownPicture { picture, told, report, view, darkest } = &*self.made;
+        let ShownPicture { picture, texts, report, view, darkest } = &*self.shown;
         let pixels = PyBytes::new(py, &picture.rgba);
-        ((picture.width, picture.height), pixels, told.clone(), report.clone(), view.clone(), *darkest)
+        ((picture.width, picture.height), pixels, texts.clone(), report.clone(), view.clone(), *darkest)
     }
 
     /// The picture of a state.
     #[staticmethod]
     fn of_state(state: PictureState<PyBackedBytes>) -> PyResult<Self> {
-        let ((width, height), pixels, told, report, view, darkest) = state;
+        let ((width, height), pixels, texts, report, view, darkest) = state;
         let rgba = pixels.to_vec();
         if rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
             return Err(failure::argument(
                 "state",
-                format!("{} bytes are no {width} × {height} pixels", rgba.len()),
+                format!("{} bytes are not {width} × {height} pixels", rgba.len()),
             ));
         }
         let picture = render::Picture { width, height, rgba };
-        Ok(Self { made: Arc::new(ShownPicture { picture, told, report, view, darkest }) })
+        Ok(Self { shown: Arc::new(ShownPicture { picture, texts, report, view, darkest }) })
     }
 
     /// The bytes of a picture file: "png", "jpg" or "webp".
     fn write<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
         let format = PictureFormat::from_extension(format)
             .ok_or_else(|| failure::argument("format", format!("'png', 'jpg' or 'webp', not '{format}'")))?;
-        let made = Arc::clone(&self.made);
+        let shown = Arc::clone(&self.shown);
         let written = work::run(py, None, move |_| {
             let mut bytes = Vec::new();
-            let told: Vec<_> = made.told.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
-            format.write(&made.picture, &told, &mut bytes).map(|()| bytes)
+            let texts: Vec<_> =
+                shown.texts.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+            format.write(&shown.picture, &texts, &mut bytes).map(|()| bytes)
         })?;
         Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
     }

@@ -1,4 +1,4 @@
-//! `PythonLeaf`: a Python function as a part of a field.
+//! `PythonLeaf`: a Python function as a leaf of a field.
 use chordal::budget::Evidence;
 use chordal::implicit::Lipschitz;
 use chordal::implicit::leaves::{Leaf, LeafAnswer, LeafError};
@@ -9,52 +9,54 @@ use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// What is kept of the calls of a function.
+/// A log of the calls of a function.
 #[derive(Debug, Default)]
 pub(crate) struct CallLog {
-    /// What it raised, until somebody passes it on.
+    /// The exception that it raised, until it is passed on.
     raised: Mutex<Option<PyErr>>,
-    /// Points that it was asked for.
+    /// The number of points at which it was evaluated.
     points: AtomicU64,
 }
 
 impl CallLog {
-    /// The exception, once.
+    /// Takes the exception.
     pub fn take(&self) -> Option<PyErr> {
         self.raised.lock().ok().and_then(|mut slot| slot.take())
     }
 
-    /// How many points it was asked for so far.
+    /// The number of points at which it was evaluated so far.
     pub fn points(&self) -> u64 {
         self.points.load(Ordering::Relaxed)
     }
 }
 
-/// What a function said first of points where it is nearly zero.
+/// The first values of a function at points where it is nearly zero.
 ///
-/// A network in single precision has another last digit for a point with other points beside it. Where that changes the
-/// sign, neighbours would disagree about the corner that they share, so there the first answer counts.
+/// A network in single precision may return different last digits for the same point in different batches. If
+/// that changes the sign, neighbouring cells would disagree about their shared corner, so there the first
+/// value counts.
 #[derive(Debug, Default)]
 pub(crate) struct FirstAnswers {
     answers: Mutex<HashMap<[u64; 3], f64>>,
-    /// The bits of the largest size of a value so far, which are ordered as sizes are.
+    /// The bits of the largest absolute value so far. Bits of positive numbers are ordered like the numbers.
     largest: AtomicU64,
 }
 
 impl FirstAnswers {
-    /// What is nearly zero beside the largest value: 64 times what single precision can tell from it, chosen so that sums of
-    /// many terms are among it.
+    /// The relative size, beside the largest value, of values that count as nearly zero. Chosen: 64 units of
+    /// single precision cover the rounding of sums of many terms.
     const NEAR: f64 = 64.0 * f32::EPSILON as f64;
-    /// The most points that are kept, about 70 MB. Chosen; what is beyond counts as it comes.
+    /// The most points that are kept, about 70 MB. Chosen: more would take too much memory; values at further
+    /// points are used as returned.
     const MOST: usize = 1 << 20;
 
-    /// Values that are nearly zero become those that were the first for their points.
+    /// Replaces values that are nearly zero by the first values of their points.
     fn keep(&self, points: &[[f64; 3]], values: &mut [f64]) {
         let sizes = values.iter().map(|value| value.abs()).filter(|size| size.is_finite());
-        let most = sizes.fold(0.0, |a: f64, b| if b > a { b } else { a });
-        let before = f64::from_bits(self.largest.fetch_max(most.to_bits(), Ordering::Relaxed));
-        let near = Self::NEAR * if before > most { before } else { most };
-        // That it is locked only for points near the surface keeps threads out of each other's way.
+        let largest = sizes.fold(0.0, |a: f64, b| if b > a { b } else { a });
+        let largest_before = f64::from_bits(self.largest.fetch_max(largest.to_bits(), Ordering::Relaxed));
+        let near = Self::NEAR * if largest_before > largest { largest_before } else { largest };
+        // Locked only for points near the surface, so that threads seldom wait for each other.
         let mut close = values.iter_mut().zip(points).filter(|(value, _)| value.abs() <= near).peekable();
         if close.peek().is_none() {
             return;
@@ -71,8 +73,8 @@ impl FirstAnswers {
     }
 }
 
-/// A function from the bytes of points to the bytes of values. It is called from threads of our own, with
-/// Python's lock.
+/// A function from the bytes of points to the bytes of values. It is called from threads of the pool, with
+/// the GIL.
 pub(crate) struct PythonLeaf {
     pub call: Py<PyAny>,
     /// The same for the bytes of gradients.
@@ -83,15 +85,15 @@ pub(crate) struct PythonLeaf {
 }
 
 impl PythonLeaf {
-    /// Calls one of the functions, for so many numbers.
-    fn ask(&self, call: &Py<PyAny>, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+    /// Calls one of the functions, which has to return as many numbers as `out` has.
+    fn evaluate(&self, call: &Py<PyAny>, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         if points.is_empty() {
             return Ok(());
         }
         self.calls.points.fetch_add(points.len() as u64, Ordering::Relaxed);
-        let asked: Vec<u8> = points.as_flattened().iter().flat_map(|x| x.to_ne_bytes()).collect();
+        let bytes: Vec<u8> = points.as_flattened().iter().flat_map(|x| x.to_ne_bytes()).collect();
         let values = Python::attach(|py| -> PyResult<Vec<u8>> {
-            call.bind(py).call1((PyBytes::new(py, &asked),))?.extract()
+            call.bind(py).call1((PyBytes::new(py, &bytes),))?.extract()
         });
         match values {
             Ok(values) if values.len() == 8 * out.len() => {
@@ -100,7 +102,7 @@ impl PythonLeaf {
                 }
                 Ok(())
             }
-            Ok(_) => Err(LeafError::new("the function gave back another number of values than points")),
+            Ok(_) => Err(LeafError::new("the function returned another number of values than points")),
             Err(error) => {
                 let message = format!("the function raised {error}");
                 if let Ok(mut slot) = self.calls.raised.lock() {
@@ -120,14 +122,14 @@ impl fmt::Debug for PythonLeaf {
 
 impl Leaf for PythonLeaf {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
-        self.ask(&self.call, points, out)?;
+        self.evaluate(&self.call, points, out)?;
         self.first.keep(points, out);
         Ok(())
     }
 
     fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
         let Some(gradient) = &self.gradient else { return Ok(LeafAnswer::None) };
-        self.ask(gradient, points, out.as_flattened_mut()).map(|()| LeafAnswer::Given)
+        self.evaluate(gradient, points, out.as_flattened_mut()).map(|()| LeafAnswer::Given)
     }
 
     fn lipschitz(&self) -> Option<Lipschitz> {

@@ -1,4 +1,4 @@
-//! The numbers of triangles and polylines, in the rows that Python sees.
+//! The arrays of triangles and polylines for Python.
 use crate::array::{Array, ArrayData};
 use chordal::explicit::Polyline;
 use chordal_io::{PathSet, Polylines, WriteError};
@@ -6,15 +6,15 @@ use chordal_verbs::{MeshOutcome, Scene};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The rows of all that a scene shows, one part after the other, in its own space and the order of its tree: as the file of
-/// such a mesh has it.
+/// The rows of everything that a scene shows, part by part, in the scene's coordinates and the order of its
+/// tree, as in a file of one mesh.
 pub(crate) struct ShownRows {
     vertices: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
 }
 
 impl ShownRows {
-    /// Nothing where the scene shows its only part as it is.
+    /// `None` if the scene shows its only part untransformed.
     pub(crate) fn from_scene(scene: &Scene) -> Result<Option<Self>, WriteError> {
         let meshes = scene.world_meshes()?;
         if let ([(_, Cow::Borrowed(_))], [_]) = (&meshes[..], &scene.parts[..]) {
@@ -22,7 +22,7 @@ impl ShownRows {
         }
         let mut rows = Self { vertices: Vec::new(), faces: Vec::new() };
         for (_, mesh) in &meshes {
-            // Where that is too many for an index, there is no array of faces, for those have one bit less.
+            // An overflow here is harmless: `array` refuses faces if there are more than 2³¹ vertices.
             let first = rows.vertices.len() as u32;
             rows.vertices.extend_from_slice(mesh.positions());
             let faces = mesh.faces().iter().map(|face| face.map(|index| first.saturating_add(index)));
@@ -31,7 +31,7 @@ impl ShownRows {
         Ok(Some(rows))
     }
 
-    /// The numbers of that name. Indices have a sign in Python, which costs the largest half of them.
+    /// An array by its name. Indices are signed in Python, which halves their range.
     pub(crate) fn array(rows: &Arc<Self>, name: &str) -> Option<Array> {
         match name {
             "vertices" => Some(Array::new(rows, |rows| ArrayData::from_f64(rows.vertices.as_flattened(), 3))),
@@ -44,9 +44,9 @@ impl ShownRows {
     }
 }
 
-/// The rows of a mesh that was made.
+/// The rows of a mesh.
 pub(crate) enum TriangleRows {
-    /// Those of its only part.
+    /// The rows of its only part.
     Only(Arc<MeshOutcome>),
     Joined(Arc<ShownRows>),
 }
@@ -57,7 +57,7 @@ impl TriangleRows {
         Ok(shown.map_or_else(|| Self::Only(Arc::clone(outcome)), |rows| Self::Joined(Arc::new(rows))))
     }
 
-    /// The numbers of that name.
+    /// An array by its name.
     pub(crate) fn array(&self, name: &str) -> Option<Array> {
         let outcome = match self {
             Self::Joined(rows) => return ShownRows::array(rows, name),
@@ -83,33 +83,33 @@ fn single_part(scene: Option<&Scene>) -> (&[[f64; 3]], &[[u32; 3]]) {
     part.map_or((&[], &[]), |part| (part.mesh.positions(), part.mesh.faces()))
 }
 
-/// The rows of polylines, one after the other.
+/// The rows of all polylines in order.
 pub(crate) struct PolylineRows {
     /// All coordinates.
     points: Vec<f64>,
-    /// Coordinates of a point.
+    /// The number of coordinates of a point.
     width: usize,
-    /// For each point its parameter on its curve.
+    /// The parameter of each point on its curve.
     places: Vec<f64>,
-    /// For each polyline the index of its first point, and the number of all points at the end.
+    /// The index of the first point of each polyline, then the number of all points.
     starts: Vec<i64>,
-    /// For each polyline whether its last point is joined to its first.
+    /// For each polyline whether it is closed.
     closed: Vec<i64>,
-    /// For each polyline the number of its element in the file.
+    /// The index of the element of each polyline in the file.
     sources: Vec<i64>,
 }
 
 impl PolylineRows {
     pub(crate) fn from_polylines(lines: &Polylines) -> Self {
         match lines {
-            Polylines::Plane(drawn) => Self::from_paths(drawn),
-            Polylines::Space(drawn) => Self::from_paths(drawn),
+            Polylines::Plane(paths) => Self::from_paths(paths),
+            Polylines::Space(paths) => Self::from_paths(paths),
         }
     }
 
-    fn from_paths<const D: usize>(drawn: &PathSet<Polyline<D>>) -> Self {
-        let n_points = drawn.lines.iter().map(|line| line.points.len()).sum();
-        let n_lines = drawn.lines.len();
+    fn from_paths<const D: usize>(paths: &PathSet<Polyline<D>>) -> Self {
+        let n_points = paths.lines.iter().map(|line| line.points.len()).sum();
+        let n_lines = paths.lines.len();
         let mut rows = Self {
             points: Vec::with_capacity(n_points * D),
             width: D,
@@ -118,10 +118,10 @@ impl PolylineRows {
             closed: Vec::with_capacity(n_lines),
             sources: Vec::with_capacity(n_lines),
         };
-        for (index, line) in drawn.lines.iter().enumerate() {
+        for (index, line) in paths.lines.iter().enumerate() {
             rows.starts.push((rows.points.len() / D) as i64);
             rows.closed.push(i64::from(line.closed));
-            rows.sources.push(drawn.element_of(index).map_or(index as i64, |element| element.source as i64));
+            rows.sources.push(paths.element_of(index).map_or(index as i64, |element| element.source as i64));
             rows.points.extend_from_slice(line.points.as_flattened());
             rows.places.extend_from_slice(&line.places);
         }
@@ -129,7 +129,7 @@ impl PolylineRows {
         rows
     }
 
-    /// The numbers of that name.
+    /// An array by its name.
     pub(crate) fn array(rows: &Arc<Self>, name: &str) -> Option<Array> {
         Some(match name {
             "points" => Array::new(rows, |rows| ArrayData::from_f64(&rows.points, rows.width)),

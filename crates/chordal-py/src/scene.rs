@@ -1,4 +1,4 @@
-//! What is in a scene of triangles, as Python sees it: facts as JSON, numbers as arrays that are not copied.
+//! Scenes of triangles for Python: facts as JSON, numbers as arrays that are not copied.
 use crate::array::{Array, ArrayData};
 use crate::rows::ShownRows;
 use crate::scene_state::{SceneState, attribute_names, scene_of};
@@ -58,9 +58,9 @@ pub(crate) fn scene_facts(py: Python<'_>, source: &Source) -> PyResult<String> {
     Ok(facts.to_string())
 }
 
-/// Numbers of a part of a scene in its own coordinates: "vertices", "faces", "position_ids", or the attribute of a
-/// number. Without a part "vertices" and "faces" of all that is shown, in the scene's coordinates, or an attribute of the
-/// only part in these.
+/// An array of a part in its own coordinates: "vertices", "faces", "position_ids", or an attribute by its
+/// index. Without a part, the "vertices" and "faces" of everything that is shown, in the scene's coordinates,
+/// or an attribute of the only part in these coordinates.
 #[pyfunction]
 pub(crate) fn scene_array(
     py: Python<'_>,
@@ -74,13 +74,13 @@ pub(crate) fn scene_array(
         return attribute.map_or_else(|| shown_array(py, source, name), |k| shown_attribute(py, source, k));
     };
     let owner = source.input();
-    let own = scene_in(owner).and_then(|scene| scene.parts.get(part)).ok_or_else(unknown)?;
+    let mesh = &scene_in(owner).and_then(|scene| scene.parts.get(part)).ok_or_else(unknown)?.mesh;
     if let Some(k) = attribute {
-        own.mesh.attributes().get(k).ok_or_else(unknown)?;
+        mesh.attributes().get(k).ok_or_else(unknown)?;
     } else {
-        i32::try_from(own.mesh.positions().len()).map_err(|_| unknown())?;
+        i32::try_from(mesh.positions().len()).map_err(|_| unknown())?;
     }
-    let (name, has_ids) = (name.to_owned(), own.mesh.position_id().is_some());
+    let (name, has_ids) = (name.to_owned(), mesh.position_id().is_some());
     if !matches!((name.as_str(), has_ids), ("vertices" | "faces" | "attribute", _) | ("position_ids", true)) {
         return Err(unknown());
     }
@@ -98,23 +98,23 @@ pub(crate) fn scene_array(
     }))
 }
 
-/// The attribute of that number of the only part, in the scene's coordinates: once for each time that it is shown, in the
-/// order of [`shown_array`].
+/// An attribute of the only part, in the scene's coordinates, repeated for each instance in the order of
+/// [`shown_array`].
 fn shown_attribute(py: Python<'_>, source: &Source, number: usize) -> PyResult<Array> {
     let scene = scene_in(source.input()).ok_or_else(|| failure::internal(py, "these are no triangles"))?;
     let meshes = scene.world_meshes().map_err(|error| failure::write(py, &error))?;
     if let [] | [(_, Cow::Borrowed(_))] = &meshes[..] {
         return scene_array(py, source, Some(0), "attribute", Some(number));
     }
-    let mut shown = (0, Vec::new());
+    let mut rows = (0, Vec::new());
     for attribute in meshes.iter().filter_map(|(_, mesh)| mesh.attributes().get(number)) {
-        shown.0 = attribute.width;
-        shown.1.extend_from_slice(&attribute.values);
+        rows.0 = attribute.width;
+        rows.1.extend_from_slice(&attribute.values);
     }
-    Ok(Array::new(&Arc::new(shown), |(width, values)| ArrayData::from_f64(values, *width)))
+    Ok(Array::new(&Arc::new(rows), |(width, values)| ArrayData::from_f64(values, *width)))
 }
 
-/// Not copied where the scene shows one part as it is.
+/// The vertices or faces of everything that is shown; not copied if the scene shows one part untransformed.
 fn shown_array(py: Python<'_>, source: &Source, name: &str) -> PyResult<Array> {
     let unknown = || failure::internal(py, &format!("there are no {name}, or too many"));
     let scene = scene_in(source.input()).ok_or_else(unknown)?;
@@ -123,7 +123,7 @@ fn shown_array(py: Python<'_>, source: &Source, name: &str) -> PyResult<Array> {
     ShownRows::array(&Arc::new(rows), name).ok_or_else(unknown)
 }
 
-/// The bytes of a picture of a scene; nothing for one in another file.
+/// The bytes of an image of a scene; `None` for one in another file.
 #[pyfunction]
 pub(crate) fn scene_image<'py>(
     py: Python<'py>,
@@ -136,16 +136,16 @@ pub(crate) fn scene_image<'py>(
     }
 }
 
-/// How far what a scene shows is from what it was composed of, where it is known of some nodes how far all below them is.
+/// The bound of a composed scene, from the known bounds of the subtrees of some nodes.
 #[pyfunction]
 pub(crate) fn composed_bound(py: Python<'_>, source: &Source, known: Vec<(usize, f64)>) -> PyResult<f64> {
     let input = Arc::clone(source.input());
-    let found = work::run(py, None, move |_| Some(chordal_verbs::composed_bound(scene_in(&input)?, &known)))?;
-    found.ok_or_else(|| failure::internal(py, "these are no triangles"))
+    let bound = work::run(py, None, move |_| Some(chordal_verbs::composed_bound(scene_in(&input)?, &known)))?;
+    bound.ok_or_else(|| failure::internal(py, "these are no triangles"))
 }
 
-/// The same scene with the histories of what it is made of: what all below some nodes is or, without nodes, what stands in it
-/// one after the other.
+/// The same scene with the histories of its parts: those of the subtrees of some nodes or, without nodes, of
+/// the inputs that were joined in order.
 #[pyfunction]
 pub(crate) fn scene_of_parts(
     py: Python<'_>,
@@ -155,7 +155,7 @@ pub(crate) fn scene_of_parts(
 ) -> PyResult<Source> {
     let input = Arc::clone(source.input());
     let parts: Vec<Arc<Input>> = parts.iter().map(|part| Arc::clone(part.input())).collect();
-    let made = work::run(py, None, move |_| {
+    let composed = work::run(py, None, move |_| {
         let input = Input::clone(&input);
         let parts = parts.iter().map(|part| &**part);
         match nodes {
@@ -163,18 +163,18 @@ pub(crate) fn scene_of_parts(
             None => join_input(input, &parts.collect::<Vec<_>>()),
         }
     })?;
-    let made = made.map_err(|error| failure::write(py, &error))?;
-    Ok(Source::from_input(made, Vec::new()))
+    let composed = composed.map_err(|error| failure::write(py, &error))?;
+    Ok(Source::from_input(composed, Vec::new()))
 }
 
 /// A text and blocks of bytes.
 type StateBytes<'py> = (String, Vec<Bound<'py, PyBytes>>);
 
-/// All of a scene: what [`scene_of_state`] makes the same scene of.
+/// The state of a scene, from which [`scene_of_state`] restores it.
 #[pyfunction]
 pub(crate) fn scene_state<'py>(py: Python<'py>, source: &Source) -> PyResult<StateBytes<'py>> {
     let input = Arc::clone(source.input());
-    let made = work::run(py, None, move |_| {
+    let state = work::run(py, None, move |_| {
         let SceneState { mut facts, blocks } = SceneState::from_scene(scene_in(&input)?);
         facts["format"] = input.format.to_string().into();
         facts["n_bytes"] = input.n_bytes.into();
@@ -182,12 +182,12 @@ pub(crate) fn scene_state<'py>(py: Python<'py>, source: &Source) -> PyResult<Sta
         facts["composed"] = serde_json::to_value(input.composed.as_deref()).unwrap_or_default();
         Some((facts.to_string(), blocks))
     })?;
-    let (text, blocks) = made.ok_or_else(|| failure::internal(py, "these are no triangles"))?;
+    let (text, blocks) = state.ok_or_else(|| failure::internal(py, "these are no triangles"))?;
     Ok((text, blocks.iter().map(|block| PyBytes::new(py, block)).collect()))
 }
 
-/// The scene of such a text and blocks. What the text leaves out is as in a file that does not say it; without a
-/// digest, that of the geometry stands for the file that there is not.
+/// The scene of a state. Missing fields have the defaults of files; without a digest of a file, that of the
+/// geometry is used.
 #[pyfunction]
 pub(crate) fn scene_of_state(
     py: Python<'_>,
@@ -199,7 +199,7 @@ pub(crate) fn scene_of_state(
     let metres_per_unit = crate::spec::parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
     let format = facts["format"].as_str().unwrap_or("ply").parse::<Format>();
     let format = format.map_err(|error| failure::argument("state", error))?;
-    let made = work::run(py, None, move |_| {
+    let input = work::run(py, None, move |_| {
         let n_bytes = blocks.iter().map(|block| block.len() as u64).sum::<u64>();
         let digest =
             facts["sha256"].as_str().map_or_else(InputDigest::default, |known| known.to_owned().into());
@@ -211,6 +211,7 @@ pub(crate) fn scene_of_state(
         let composed = composed.map(Arc::new);
         Ok(Input { n_bytes, digest, composed, ..Input::made(Shape::Scene(scene), format) })
     })?;
-    made.map(|input| Source::from_input(input, Vec::new()))
+    input
+        .map(|input| Source::from_input(input, Vec::new()))
         .map_err(|error: String| failure::argument("faces", error))
 }

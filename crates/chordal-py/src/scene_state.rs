@@ -1,4 +1,4 @@
-//! Scenes as texts and blocks of bytes and back, to the last bit: for Python's pickle, and for meshes that are made of
+//! Scenes as a text and blocks of bytes, and back without loss: for Python's pickle, and for meshes from
 //! arrays.
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
@@ -11,13 +11,13 @@ use serde_json::{Map, Value, json};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// What a scene is, with its numbers in blocks: where the text says `block`, an index of them stands.
+/// A scene as JSON with its numbers in blocks, which the JSON references by index.
 pub(crate) struct SceneState {
     pub facts: Value,
     pub blocks: Vec<Vec<u8>>,
 }
 
-/// Blocks of bytes on their way out.
+/// Blocks that are being written.
 #[derive(Default)]
 struct BlockList(Vec<Vec<u8>>);
 
@@ -35,9 +35,9 @@ impl BlockList {
         self.put(indices.iter().flat_map(|i| i.to_ne_bytes()).collect())
     }
 
-    fn accessors(&mut self, all: &[PackedAccessor]) -> Value {
-        let one = |packed: &PackedAccessor| json!({ "properties": packed.properties, "block": self.put(packed.bytes.to_vec()) });
-        all.iter().map(one).collect()
+    fn accessors(&mut self, accessors: &[PackedAccessor]) -> Value {
+        let facts = |packed: &PackedAccessor| json!({ "properties": packed.properties, "block": self.put(packed.bytes.to_vec()) });
+        accessors.iter().map(facts).collect()
     }
 }
 
@@ -61,15 +61,15 @@ impl SceneState {
     }
 }
 
-/// The scene of a state that [`SceneState::from_scene`] has made, or of one that is spelled like it: what is left out is as
-/// in a file that does not say it.
+/// The scene of a state of [`SceneState::from_scene`], or of Python code in the same form. Missing fields
+/// have the defaults of files.
 ///
 /// # Errors
-/// A sentence where it is no such state, or its arrays are no mesh.
+/// A sentence, if the state is invalid or its arrays are no mesh.
 pub(crate) fn scene_of(facts: &Value, blocks: &[impl Deref<Target = [u8]>]) -> Result<Scene, String> {
     let blocks: Vec<&[u8]> = blocks.iter().map(|block| &**block).collect();
-    let bytes = Blocks(&blocks);
-    let parts = list(&facts["parts"]).iter().map(|part| part_of(part, bytes));
+    let blocks = Blocks(&blocks);
+    let parts = list(&facts["parts"]).iter().map(|part| part_of(part, blocks));
     let parts = parts.collect::<Result<Vec<_>, _>>()?;
     let mut nodes = list(&facts["nodes"]).iter().map(node_of).collect::<Result<Vec<_>, _>>()?;
     let mut roots = indices_in(&facts["roots"])?;
@@ -80,10 +80,10 @@ pub(crate) fn scene_of(facts: &Value, blocks: &[impl Deref<Target = [u8]>]) -> R
         roots = (0..nodes.len()).collect();
     }
     if nodes.iter().any(|node| node.part.is_some_and(|part| part >= parts.len())) {
-        return Err("a node shows a part that there is not".to_owned());
+        return Err("a node references a part that does not exist".to_owned());
     }
     if nodes.iter().flat_map(|node| &node.children).chain(&roots).any(|node| *node >= nodes.len()) {
-        return Err("there are fewer nodes than are named".to_owned());
+        return Err("a node is referenced that does not exist".to_owned());
     }
     let groups = facts["groups"].as_object().into_iter().flatten();
     Ok(Scene {
@@ -93,7 +93,7 @@ pub(crate) fn scene_of(facts: &Value, blocks: &[impl Deref<Target = [u8]>]) -> R
         frame: frame_of(&facts["frame"]),
         certificate: Some(facts["certificate"].clone()).filter(|certificate| !certificate.is_null()),
         groups: groups.map(|(kind, names)| (kind.clone(), texts(names))).collect(),
-        assets: Box::new(assets_of(&facts["assets"], bytes)?),
+        assets: Box::new(assets_of(&facts["assets"], blocks)?),
         packing: packing_of(&facts["packing"]),
         stored: packing_of(&facts["stored"]),
         ..Scene::default()
@@ -123,7 +123,7 @@ fn attribute_facts(attribute: &Attribute, blocks: &mut BlockList) -> Value {
     facts
 }
 
-/// What an attribute is, in Python's words.
+/// The kind, domain and width of an attribute, as Python spells them.
 pub(crate) fn attribute_names(attribute: &Attribute) -> Value {
     let domain = match attribute.domain {
         Domain::Vertex => "vertex",
@@ -194,7 +194,7 @@ fn assets_facts(assets: &SceneAssets, blocks: &mut BlockList) -> Value {
     })
 }
 
-/// Blocks of bytes on their way in.
+/// Blocks that are being read.
 #[derive(Clone, Copy)]
 struct Blocks<'a>(&'a [&'a [u8]]);
 
@@ -204,15 +204,15 @@ impl Blocks<'_> {
         block.copied().ok_or_else(|| format!("there is no block {at}"))
     }
 
-    /// Rows of `N` numbers, each of the `B` bytes that `number` takes.
+    /// Rows of `N` numbers of `B` bytes each, decoded by `number`.
     fn rows<T: Copy, const N: usize, const B: usize>(
         &self,
         at: &Value,
         number: impl Fn([u8; B]) -> T,
     ) -> Result<Vec<[T; N]>, String> {
-        let (numbers, odd) = self.get(at)?.as_chunks::<B>();
-        let (rows, left) = numbers.as_chunks::<N>();
-        if !odd.is_empty() || !left.is_empty() {
+        let (numbers, rest_of_number) = self.get(at)?.as_chunks::<B>();
+        let (rows, rest_of_row) = numbers.as_chunks::<N>();
+        if !rest_of_number.is_empty() || !rest_of_row.is_empty() {
             return Err(format!("a block ends within a row of {N} numbers of {B} bytes"));
         }
         Ok(rows.iter().map(|row| row.map(&number)).collect())
@@ -226,14 +226,14 @@ impl Blocks<'_> {
         Ok(self.rows::<_, 1, _>(at, u32::from_ne_bytes)?.into_flattened())
     }
 
-    fn accessors(&self, all: &Value) -> Result<Vec<PackedAccessor>, String> {
-        let one = |facts: &Value| {
+    fn accessors(&self, accessors: &Value) -> Result<Vec<PackedAccessor>, String> {
+        let accessor = |facts: &Value| {
             Ok(PackedAccessor {
                 properties: map(&facts["properties"]),
                 bytes: Arc::from(self.get(&facts["block"])?),
             })
         };
-        list(all).iter().map(one).collect()
+        list(accessors).iter().map(accessor).collect()
     }
 }
 
@@ -367,8 +367,8 @@ fn assets_of(facts: &Value, blocks: Blocks<'_>) -> Result<SceneAssets, String> {
 }
 
 fn packing_of(facts: &Value) -> GltfPacking {
-    let says = |k: usize| facts[k].as_bool().unwrap_or(false);
-    GltfPacking { is_compressed: says(0), is_quantized: says(1) }
+    let flag = |k: usize| facts[k].as_bool().unwrap_or(false);
+    GltfPacking { is_compressed: flag(0), is_quantized: flag(1) }
 }
 
 fn list(value: &Value) -> &[Value] {

@@ -1,4 +1,4 @@
-//! `ScriptValue`: a shape or a formula of the language of shape scripts, as Python holds it.
+//! `ScriptValue`: a shape or a formula of the language of shape scripts, for Python.
 use crate::path::path_of;
 use crate::python_leaf::{CallLog, FirstAnswers, PythonLeaf};
 use crate::source::Source;
@@ -18,25 +18,25 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBool, PyBytes, PyDict, PyList, PyString, PyTuple};
 use std::sync::Arc;
 
-/// A shape or a formula.
+/// A shape, a path or a formula.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct ScriptValue {
     arg: Arg,
     /// The calls of the Python functions in it.
     calls: Vec<Arc<CallLog>>,
-    /// Sentences about what it was made of.
+    /// Notes about the shapes that it was made from.
     notes: Vec<String>,
 }
 
-/// What arguments bring along.
+/// The Python functions and notes of arguments.
 #[derive(Default)]
 struct ArgOrigins {
     calls: Vec<Arc<CallLog>>,
     notes: Vec<String>,
 }
 
-/// What a call of the language gives back.
-// It is handed over at once, and Python holds it elsewhere.
+/// The result of a call of the language.
+// The value is moved to Python's heap at once, so its size on the stack does not matter.
 #[allow(clippy::large_enum_variant)]
 #[derive(IntoPyObject)]
 pub(crate) enum LanguageValue {
@@ -48,15 +48,15 @@ fn value_error(fault: CallError) -> PyErr {
     PyValueError::new_err(fault.0)
 }
 
-/// A value for the language; the functions that it rests on, and what was said of it, are added to `origins`.
-fn arg_of(value: &Bound<'_, PyAny>, origins: &mut ArgOrigins, lists: u32) -> PyResult<Arg> {
-    if let Ok(found) = value.cast::<ScriptValue>() {
-        origins.calls.extend(found.get().calls.iter().cloned());
-        origins.notes.extend(found.get().notes.iter().cloned());
-        return Ok(found.get().arg.clone());
+/// A Python value as an argument of the language. Its functions and notes are added to `origins`.
+fn arg_of(value: &Bound<'_, PyAny>, origins: &mut ArgOrigins, depth: u32) -> PyResult<Arg> {
+    if let Ok(script_value) = value.cast::<ScriptValue>() {
+        origins.calls.extend(script_value.get().calls.iter().cloned());
+        origins.notes.extend(script_value.get().notes.iter().cloned());
+        return Ok(script_value.get().arg.clone());
     }
-    if let Ok(found) = value.cast::<Source>() {
-        let path = path_of(found.get().shape()).map_err(PyValueError::new_err)?;
+    if let Ok(source) = value.cast::<Source>() {
+        let path = path_of(source.get().shape()).map_err(PyValueError::new_err)?;
         return Ok(Arg::path(path));
     }
     if value.is_none() {
@@ -68,8 +68,8 @@ fn arg_of(value: &Bound<'_, PyAny>, origins: &mut ArgOrigins, lists: u32) -> PyR
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Arg::Text(text.to_string_lossy().into_owned()));
     }
-    if (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) && lists > 0 {
-        let items = value.try_iter()?.map(|item| arg_of(&item?, origins, lists - 1));
+    if (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) && depth > 0 {
+        let items = value.try_iter()?.map(|item| arg_of(&item?, origins, depth - 1));
         return Ok(Arg::List(items.collect::<PyResult<_>>()?));
     }
     match value.extract::<f64>() {
@@ -79,28 +79,28 @@ fn arg_of(value: &Bound<'_, PyAny>, origins: &mut ArgOrigins, lists: u32) -> PyR
 }
 
 impl ScriptValue {
-    fn into_value(made: Arg, origins: ArgOrigins) -> PyResult<LanguageValue> {
-        let ArgOrigins { mut calls, notes: all } = origins;
+    fn into_value(result: Arg, origins: ArgOrigins) -> PyResult<LanguageValue> {
+        let ArgOrigins { mut calls, notes: all_notes } = origins;
         let mut notes: Vec<String> = Vec::new();
-        for note in all {
+        for note in all_notes {
             if !notes.contains(&note) {
                 notes.push(note);
             }
         }
-        calls.sort_by_key(|one| Arc::as_ptr(one) as usize);
+        calls.sort_by_key(|log| Arc::as_ptr(log) as usize);
         calls.dedup_by(|a, b| Arc::ptr_eq(a, b));
-        match made {
+        match result {
             Arg::Number(value) => Ok(LanguageValue::Number(value)),
             arg => Ok(LanguageValue::ScriptValue(Self { arg, calls, notes })),
         }
     }
 
-    /// A shape with sentences about what it was made of.
+    /// A shape with notes about its origin.
     pub(crate) fn from_field(field: Field, notes: Vec<String>) -> Self {
         Self { arg: Arg::shape(field), calls: Vec::new(), notes }
     }
 
-    /// The path that it is.
+    /// The path, if it is one.
     pub(crate) fn path(&self) -> Option<&ScriptPath> {
         if let Arg::Path(path) = &self.arg { Some(path) } else { None }
     }
@@ -108,10 +108,10 @@ impl ScriptValue {
     fn field(&self) -> PyResult<&Field> {
         match &self.arg {
             Arg::Shape(solid) => Ok(&solid.field),
-            Arg::Path(_) => {
-                Err(PyTypeError::new_err("this is a path; polygon() fills it, and sweep() follows it"))
-            }
-            _ => Err(PyTypeError::new_err("this is a formula; field() makes a shape of it")),
+            Arg::Path(_) => Err(PyTypeError::new_err(
+                "this is a path, not a shape: polygon() fills it, and sweep() follows it",
+            )),
+            _ => Err(PyTypeError::new_err("this is a formula, not a shape: field() turns it into one")),
         }
     }
 
@@ -124,7 +124,7 @@ impl ScriptValue {
     }
 }
 
-/// The exception of a Python function where there is one, else a leaf's own sentence.
+/// The exception of a Python function if there is one, else the error of a leaf.
 pub(crate) fn leaf_failure(error: &LeafError, calls: &[Arc<CallLog>]) -> PyErr {
     take_exception(calls).unwrap_or_else(|| PyRuntimeError::new_err(error.to_string()))
 }
@@ -145,7 +145,7 @@ fn bytes_of(numbers: impl Iterator<Item = f64>) -> Vec<u8> {
 
 #[pymethods]
 impl ScriptValue {
-    /// What a function of the language makes.
+    /// Calls a function of the language.
     #[staticmethod]
     #[pyo3(signature = (name, *args, **named))]
     fn call(
@@ -167,11 +167,11 @@ impl ScriptValue {
             },
         )?;
         let job = Job::default();
-        let made = function.call_within(by_position, by_name, &job, &mut origins.notes);
-        Self::into_value(made.map_err(value_error)?, origins)
+        let result = function.call_within(by_position, by_name, &job, &mut origins.notes);
+        Self::into_value(result.map_err(value_error)?, origins)
     }
 
-    /// What an operator makes; nothing where it has no meaning.
+    /// Applies an operator; `None` if it is not defined for the operands.
     #[staticmethod]
     fn operate(
         operator: &str,
@@ -181,20 +181,20 @@ impl ScriptValue {
         let mut origins = ArgOrigins::default();
         let (a, b) = (arg_of(a, &mut origins, 0)?, arg_of(b, &mut origins, 0)?);
         match operate(operator, &a, &b) {
-            Some(made) => Self::into_value(made.map_err(value_error)?, origins).map(Some),
+            Some(result) => Self::into_value(result.map_err(value_error)?, origins).map(Some),
             None => Ok(None),
         }
     }
 
-    /// The coordinate of that number.
+    /// The coordinate function of an axis.
     #[staticmethod]
     fn axis(k: usize) -> PyResult<Self> {
-        let found =
+        let value =
             Arg::axes().into_iter().nth(k).map(|(_, arg)| Self { arg, calls: Vec::new(), notes: Vec::new() });
-        found.ok_or_else(|| PyValueError::new_err("there are three axes"))
+        value.ok_or_else(|| PyValueError::new_err("there are three axes"))
     }
 
-    /// The shape of a function from the bytes of points to the bytes of values, and one to those of
+    /// The shape of a function from the bytes of points to the bytes of values, with an optional function for
     /// gradients.
     #[staticmethod]
     fn callable(call: Py<PyAny>, gradient: Option<Py<PyAny>>, lipschitz: Option<f64>) -> Self {
@@ -207,7 +207,7 @@ impl ScriptValue {
             first: FirstAnswers::default(),
         };
         let mut field = Field::new(Expr::leaf(Arc::new(leaf), Expr::axes()));
-        // With a slope of at most 1 the value is never more than the distance.
+        // If the slope is at most 1, the value is never more than the distance.
         if lipschitz.is_some_and(|slope| slope <= 1.0) {
             field = field
                 .with_distance(Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Bound });
@@ -215,33 +215,33 @@ impl ScriptValue {
         Self { arg: Arg::shape(field), calls: vec![calls], notes: Vec::new() }
     }
 
-    /// The same shape, with the promise that a box holds it.
+    /// The same shape with a bounding box, which the caller guarantees.
     fn with_bounds(&self, bounds: [[f64; 3]; 2]) -> PyResult<Self> {
         let [min, max] = bounds;
         let field = self.field()?.clone().with_bounds(Box3 { min, max });
         Ok(Self { arg: Arg::shape(field), calls: self.calls.clone(), notes: self.notes.clone() })
     }
 
-    /// Sentences about what it was made of.
+    /// Notes about its origin.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// Whether it is a shape and no formula.
+    /// Whether it is a shape.
     #[getter]
     fn is_shape(&self) -> bool {
         matches!(self.arg, Arg::Shape(_))
     }
 
-    /// What the value is worth as a distance outside and inside.
+    /// The quality of the value as a distance, outside and inside.
     #[getter]
     fn distance(&self) -> PyResult<(&'static str, &'static str)> {
         let distance = self.field()?.distance();
         Ok((distance.outside.as_str(), distance.inside.as_str()))
     }
 
-    /// What proofs about it are worth, and under which assumptions.
+    /// The best evidence that proofs about it can have, and their assumptions.
     #[getter]
     fn evidence(&self) -> PyResult<(&'static str, Vec<String>)> {
         let evidence = self.field()?.evidence();
@@ -249,20 +249,20 @@ impl ScriptValue {
         Ok((kind, if let Evidence::ProvedIf(sentences) = evidence { sentences } else { Vec::new() }))
     }
 
-    /// A box that holds the shape.
+    /// A bounding box.
     #[getter]
     fn bounds(&self) -> PyResult<[[f64; 3]; 2]> {
         let Box3 { min, max } = self.field()?.bounds();
         Ok([min, max])
     }
 
-    /// The distinct terms of its expression.
+    /// The number of distinct terms of the expression.
     #[getter]
     fn terms(&self) -> PyResult<usize> {
         Ok(self.evaluable_field()?.tape().len())
     }
 
-    /// The values at points: three coordinates a point in double precision, in the byte order of the machine.
+    /// The values at points: three coordinates a point in double precision and native byte order.
     fn values<'py>(&self, py: Python<'py>, points: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
         let field = self.evaluable_field()?;
         let points = points_of(&points);
@@ -279,14 +279,14 @@ impl ScriptValue {
         let points = points_of(&points);
         let gradients = self.evaluated(py, points.len(), move || {
             let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
-            let done = field.tape().gradient_at(&points, &mut slopes);
-            done.map(|()| bytes_of(slopes.into_iter().flat_map(|slope| slope.gradient)))
+            let result = field.tape().gradient_at(&points, &mut slopes);
+            result.map(|()| bytes_of(slopes.into_iter().flat_map(|slope| slope.gradient)))
         })?;
         Ok(PyBytes::new(py, &gradients.map_err(|error| leaf_failure(&error, &self.calls))?))
     }
 
-    /// An interval of the values in each box: six numbers a box, its least and its greatest corner, and two an interval.
-    /// Without an end on either side where nothing is known.
+    /// An interval that encloses the values in each box: six numbers a box, its low and high corner, and two
+    /// numbers an interval, which are infinite if nothing is known.
     fn ranges<'py>(&self, py: Python<'py>, boxes: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
         let field = self.evaluable_field()?;
         let corners = points_of(&boxes);
@@ -303,14 +303,14 @@ impl ScriptValue {
         Ok(PyBytes::new(py, &ranges.map_err(|error| leaf_failure(&error, &self.calls))?))
     }
 
-    /// The shape as one that was read, cut off at a box.
+    /// The shape as a source, cut off at a box.
     fn source(&self, region: Option<[[f64; 3]; 2]>) -> PyResult<Source> {
         self.source_in(region, Frame::default())
     }
 }
 
 impl ScriptValue {
-    /// Evaluates on this thread where points are few and no Python function may take its time.
+    /// Evaluates on this thread if points are few and there is no Python function, which might take long.
     fn evaluated<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -332,53 +332,54 @@ impl ScriptValue {
     }
 }
 
-/// The box that a field is cut off at, where it is.
+/// The box that a field is cut off at, if any.
 #[pyfunction]
 pub(crate) fn region_of(source: &Source) -> Option<[[f64; 3]; 2]> {
     let Shape::Field(implicit) = source.shape() else { return None };
     implicit.region.map(|Box3 { min, max }| [min, max])
 }
 
-/// The value of a field that was read, or none for other shapes.
+/// The field of a source; `None` for other shapes.
 #[pyfunction]
 pub(crate) fn field_of(source: &Source) -> Option<ScriptValue> {
     let Shape::Field(implicit) = source.shape() else { return None };
     Some(ScriptValue { arg: Arg::shape(implicit.field.clone()), calls: source.calls(), notes: Vec::new() })
 }
 
-/// The signed distance to triangles, as a value and as a shape that was read.
+/// The signed distance to triangles, as a value and as a source.
 #[pyfunction]
 pub(crate) fn mesh_field(py: Python<'_>, source: &Source) -> PyResult<(ScriptValue, Source)> {
     let Shape::Scene(scene) = source.shape() else {
         return Err(failure::internal(py, "these are no triangles"));
     };
     let (scene, frame) = (scene.clone(), source.frame());
-    let made = work::run(py, None, move |job| scene_to_field(scene, job))?;
-    let made = made.map_err(|error| failure::mesh(py, error.into()))?;
-    let notes = made.notes.into_iter().map(|(_, note)| note).collect();
-    let value = ScriptValue::from_field(made.field, notes);
+    let field = work::run(py, None, move |job| scene_to_field(scene, job))?;
+    let field = field.map_err(|error| failure::mesh(py, error.into()))?;
+    let notes = field.notes.into_iter().map(|(_, note)| note).collect();
+    let value = ScriptValue::from_field(field.field, notes);
     let shape = value.source_in(None, frame)?;
     Ok((value, shape))
 }
 
-/// A sentence as a warning of the input, as a script's report has it.
+/// A note as a warning of the input, as in the report of a script.
 fn warning_of(note: &str) -> Warning {
     Warning { code: "script-said", count: 1, place: FileLocation::File, message: note.to_owned().into() }
 }
 
-/// Every function of the language: its name, how it is called, what it makes, and what the value is worth.
+/// Every function of the language: its name, its usage, its description, and the quality of its value as a
+/// distance.
 #[pyfunction]
 pub(crate) fn language() -> Vec<(&'static str, String, &'static str, &'static str)> {
     functions().map(|f| (f.name, f.usage(), f.about, f.distance)).collect()
 }
 
-/// The name of a parameter, its default, and what it is.
+/// The name of a parameter, its default and its value.
 type ParameterSetting = (String, f64, f64);
 
-/// The line of a script that a warning is of, and what it says.
+/// The line and the text of a warning.
 type LineWarning = (u64, &'static str);
 
-/// What a shape script makes, with its parameters and warnings.
+/// The shape of a shape script, with its parameters and warnings.
 #[pyfunction]
 pub(crate) fn script(
     py: Python<'_>,
@@ -386,14 +387,14 @@ pub(crate) fn script(
     set: Vec<(String, f64)>,
 ) -> PyResult<(ScriptValue, Vec<ParameterSetting>, Vec<LineWarning>)> {
     let options = chordal_script::RunOptions { set: set.into_iter().collect(), ..Default::default() };
-    let made = work::run(py, None, move |job| chordal_script::run(&text, &options, job))?;
-    let made = made.map_err(|error| {
+    let result = work::run(py, None, move |job| chordal_script::run(&text, &options, job))?;
+    let result = result.map_err(|error| {
         let place = error.place.map_or(chordal_io::FileLocation::File, |(line, column)| {
             chordal_io::FileLocation::LineColumn { line, column }
         });
         failure::read(py, chordal_io::ReadError::new(error.code, place, error.message), None)
     })?;
-    let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
-    let warnings = made.warnings.iter().map(|warning| (warning.place.0, warning.message)).collect();
-    Ok((ScriptValue::from_field(made.field, made.said), parameters, warnings))
+    let parameters = result.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
+    let warnings = result.warnings.iter().map(|warning| (warning.place.0, warning.message)).collect();
+    Ok((ScriptValue::from_field(result.field, result.said), parameters, warnings))
 }

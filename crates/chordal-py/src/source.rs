@@ -1,4 +1,4 @@
-//! `Source`: a shape as it was read.
+//! `Source`: a shape that was read or made, for Python.
 use crate::cage::Cage;
 use crate::curve::curves;
 use crate::deviation::{self, DeviationArguments, NamedInput};
@@ -22,7 +22,7 @@ use pyo3::pybacked::PyBackedBytes;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A shape as it was read.
+/// A shape that was read or made.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Source {
     input: Arc<Input>,
@@ -31,18 +31,18 @@ pub(crate) struct Source {
     calls: Vec<Arc<CallLog>>,
 }
 
-/// How to read some bytes.
+/// The options for reading bytes, as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Reading {
     /// The name of the file, if they are from one.
     name: Option<String>,
     options: GivenOptions,
-    /// How the lines of a text are aligned, see [`Letters::align`].
+    /// The alignment of the lines of a text, see [`Letters::align`].
     align: f64,
 }
 
-/// How to read some bytes, as the verbs take it.
+/// The options for reading bytes, as the verbs take them.
 struct ReadRequest {
     name: Option<String>,
     options: ReadOptions,
@@ -73,7 +73,7 @@ impl ReadRequest {
     }
 }
 
-/// Why there is no shape, and the file that it is not in.
+/// Why bytes could not be read, and their file.
 struct ReadFailure {
     error: ReadError,
     name: Option<String>,
@@ -81,7 +81,7 @@ struct ReadFailure {
 
 #[pymethods]
 impl Source {
-    /// The shape that some bytes hold.
+    /// The shape in some bytes.
     #[new]
     fn new(py: Python<'_>, bytes: PyBackedBytes, reading: Reading) -> PyResult<Self> {
         let request = ReadRequest {
@@ -90,13 +90,12 @@ impl Source {
             align: reading.align,
         };
         let read = work::run(py, None, move |_| request.read(&bytes))?;
-        let (input, name) = read.map_err(|unread| failure::read(py, unread.error, unread.name.as_deref()))?;
+        let (input, name) = read.map_err(|failed| failure::read(py, failed.error, failed.name.as_deref()))?;
         Ok(Self { input: Arc::new(input), name, calls: Vec::new() })
     }
 
-    /// Curves by their control points: `numbers` are all coordinates in double precision and the byte order
-    /// of the machine; `shape` is the number of curves, of points of each (3n + 1 for n pieces), and of
-    /// coordinates.
+    /// Curves by their control points: `numbers` are all coordinates in double precision and native byte
+    /// order; `shape` is the number of curves, of points of each (3n + 1 for n pieces), and of coordinates.
     #[staticmethod]
     fn curves(
         py: Python<'_>,
@@ -106,8 +105,8 @@ impl Source {
     ) -> PyResult<Self> {
         let metres_per_unit = parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
         let frame = Frame { up: None, metres_per_unit, ..Frame::default() };
-        let made = work::run(py, None, move |_| curves(&numbers, shape.1, shape.2, frame))?;
-        let input = made.map_err(|error| failure::argument("control", error))?;
+        let input = work::run(py, None, move |_| curves(&numbers, shape.1, shape.2, frame))?;
+        let input = input.map_err(|error| failure::argument("control", error))?;
         Ok(Self::from_input(input, Vec::new()))
     }
 
@@ -129,7 +128,7 @@ impl Source {
         name.parse::<Format>().is_ok()
     }
 
-    /// Its name in the plural.
+    /// The name of the kind in the plural.
     #[getter]
     fn kinds(&self) -> &'static str {
         self.input.shape.kinds()
@@ -155,7 +154,7 @@ impl Source {
         Ok(report.to_value().to_string())
     }
 
-    /// The report of `chordal deviation` from another shape, as JSON.
+    /// The report of `chordal deviation` with another shape, as JSON.
     fn deviation(
         &self,
         py: Python<'_>,
@@ -166,7 +165,7 @@ impl Source {
         deviation::report(py, self.named_input(), other.named_input(), arguments, progress)
     }
 
-    /// A volume with the surface of it that is meant.
+    /// A volume with options for its surface.
     fn surface(&self, py: Python<'_>, options: GivenOptions) -> PyResult<Self> {
         let spec: SurfaceSpec = spec::request(py, &options)?;
         let mut input = Input::clone(&self.input);
@@ -177,8 +176,8 @@ impl Source {
         Ok(Self { input: Arc::new(input), name: self.name.clone(), calls: Vec::new() })
     }
 
-    /// Triangles under a map by the rows of its matrix, now in that unit, and what becomes of an interval that holds
-    /// their distance to another shape.
+    /// Triangles transformed by a matrix, given by rows, into a unit; and the transformed interval of their
+    /// distance to another shape.
     fn transformed(
         &self,
         py: Python<'_>,
@@ -188,8 +187,8 @@ impl Source {
     ) -> PyResult<(Self, Lengths)> {
         let unit = parse_argument::<Unit>("unit", unit)?;
         let input = Arc::clone(&self.input);
-        let made = work::run(py, None, move |_| transformed_input(&input, rows, unit, interval))?;
-        let (input, interval) = made.map_err(|error| failure::argument("matrix", error))?;
+        let transformed = work::run(py, None, move |_| transformed_input(&input, rows, unit, interval))?;
+        let (input, interval) = transformed.map_err(|error| failure::argument("matrix", error))?;
         Ok((Self { input: Arc::new(input), name: None, calls: Vec::new() }, interval))
     }
 
@@ -205,7 +204,7 @@ impl Source {
         }
     }
 
-    /// Distances to the shape on a lattice, the report, and why a budget was not met.
+    /// Signed distances to the shape on a lattice, the report, and why the budget was not met, if so.
     fn bake(
         &self,
         py: Python<'_>,
@@ -216,7 +215,7 @@ impl Source {
             .map_err(|error| self.raised().unwrap_or(error))
     }
 
-    /// Triangles or polylines within a budget, as a file of that format would have them.
+    /// Triangles or polylines within a budget, rounded as in a file of a format.
     fn mesh(
         &self,
         py: Python<'_>,
@@ -232,17 +231,17 @@ impl Source {
 }
 
 impl Source {
-    /// A shape that was made, and the calls of the functions in it.
+    /// A shape without a file, with the calls of its Python functions.
     pub(crate) fn from_input(input: Input, calls: Vec<Arc<CallLog>>) -> Self {
         Self { input: Arc::new(input), name: None, calls }
     }
 
-    /// Something to be done with it that gives a mesh.
+    /// An order for a task that makes a mesh.
     pub(crate) fn order(&self, task: MeshTask) -> MeshOrder {
         MeshOrder { input: Arc::clone(&self.input), name: self.name.clone(), task, calls: self.calls.clone() }
     }
 
-    /// What a Python function in it raised, once.
+    /// Takes the exception that one of its Python functions raised.
     pub(crate) fn raised(&self) -> Option<PyErr> {
         take_exception(&self.calls)
     }
@@ -268,7 +267,7 @@ impl Source {
     }
 }
 
-/// An interval of lengths, without an upper end where none is known.
+/// An interval of lengths; without an upper end if none is known.
 type Lengths = (f64, Option<f64>);
 
 fn transformed_input(
@@ -278,9 +277,9 @@ fn transformed_input(
     (at_least, at_most): Lengths,
 ) -> Result<(Input, Lengths), String> {
     let matrix = std::array::from_fn(|k| rows[k % 4][k / 4]);
-    let (mut made, stretch) = transform_input(input, &matrix).map_err(|error| error.to_string())?;
-    if let (Shape::Scene(scene), Some(unit)) = (&mut made.shape, unit) {
+    let (mut transformed, stretch) = transform_input(input, &matrix).map_err(|error| error.to_string())?;
+    if let (Shape::Scene(scene), Some(unit)) = (&mut transformed.shape, unit) {
         scene.frame.metres_per_unit = Some(unit.metres());
     }
-    Ok((made, stretch.interval(at_least, at_most)))
+    Ok((transformed, stretch.interval(at_least, at_most)))
 }

@@ -1,4 +1,4 @@
-//! Requests, from the options that Python's keyword arguments stand for.
+//! Requests from Python's keyword arguments.
 use crate::failure;
 use crate::spelling::Keywords;
 use chordal::budget::advice::{Message, Spell};
@@ -9,23 +9,23 @@ use pyo3::prelude::*;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// Options that were given: the name of each, the keyword that it came from, and the text of its value, as
-/// `python/chordal/_options.py` makes them.
+/// The given options: the name of each, the keyword that it came from, and its value as text, as
+/// `python/chordal/_options.py` builds them.
 pub(crate) type GivenOptions = Vec<(String, String, String)>;
 
-/// How long a field is worked on.
+/// The limits of the work on a field.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Patience {
-    /// After how long the best is taken, if that is said.
+    /// The time after which the best result so far is taken, if given.
     pub within: Option<Duration>,
-    /// How far its proof is taken.
+    /// The effort of the proof.
     pub proof: ProofEffort,
 }
 
-/// The request that options make.
+/// The request for some options.
 ///
 /// # Errors
-/// `ValueError` for a word that an option does not know, and `BudgetError` for any other value without sense.
+/// `ValueError` for an unknown word, and `BudgetError` for any other invalid value.
 pub(crate) fn request<S: OptionTable>(py: Python<'_>, given: &GivenOptions) -> PyResult<S> {
     let mut request = S::default();
     for (option, keyword, text) in given {
@@ -41,19 +41,19 @@ pub(crate) fn request<S: OptionTable>(py: Python<'_>, given: &GivenOptions) -> P
     Ok(request)
 }
 
-/// A budget, and how long a field is worked on.
+/// A budget, and the limits of the work on a field.
 pub(crate) fn budget(py: Python<'_>, given: &GivenOptions) -> PyResult<(BudgetSpec, Patience)> {
     let options: MeshOptions = request(py, given)?;
     let spec = options.spec().map_err(|why| mismatch(py, why))?;
     Ok((spec, Patience { within: options.within, proof: options.proof() }))
 }
 
-/// Options that do not belong together.
+/// The error for options that do not fit together.
 pub(crate) fn mismatch(py: Python<'_>, why: Message) -> PyErr {
     failure::budget(py, &why.spelled(&Keywords).to_string())
 }
 
-/// What a text stands for that was given as the argument of that name.
+/// Parses the text of an argument.
 pub(crate) fn parse_argument<T: FromStr<Err: std::fmt::Display>>(
     name: &str,
     text: Option<&str>,

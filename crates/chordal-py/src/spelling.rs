@@ -1,8 +1,8 @@
-//! `Keywords`: how Python spells settings, as arguments.
+//! `Keywords`: settings in the spelling of Python, as arguments.
 use chordal::budget::advice::{Setting, Spelling};
 use chordal_cli::spelling::CommandLine;
 
-/// Settings as arguments and functions of the package, or as options of the command where it has none.
+/// Settings as arguments and functions of the package, or as options of the command if the package has none.
 pub(crate) struct Keywords;
 
 impl Spelling for Keywords {

@@ -1,4 +1,4 @@
-//! Volumes for Python: which surface of the samples is meant, and distances of triangles on a lattice.
+//! Volumes for Python: samples as arrays, and baked distances.
 use crate::array::{Array, ArrayData};
 use crate::deviation::NamedInput;
 use crate::source::Source;
@@ -12,8 +12,8 @@ use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{BakeResolution, BakeSpec, Input, Shape, SurfaceSpec, VolumeShape, bake, sha256};
 use pyo3::prelude::*;
 
-/// Samples as an array, z, y and x, x fastest; the three rows that take an index (x, y, z, 1) to space; and the length of a unit
-/// of that in metres.
+/// Samples as an array with axes z, y, x, x fastest; the three rows of the matrix from an index (x, y, z, 1)
+/// to space; and the length of a unit in metres.
 #[pyfunction]
 pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64; 4]; 3], Option<f64>)> {
     let Shape::Volume(sampled) = source.shape() else {
@@ -34,20 +34,20 @@ pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64
     Ok((array, affine, sampled.volume.frame.metres_per_unit))
 }
 
-/// The lattice of a bake, in Python's words.
+/// The options of a bake, as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct BakeArguments {
-    /// This or a length.
+    /// Either this or `length`.
     cells: Option<usize>,
-    /// The name of an argument, and the length as the command reads it.
+    /// The name of the argument, and the length as text.
     length: Option<(String, String)>,
     band: Option<f64>,
     bound: bool,
 }
 
 impl BakeArguments {
-    /// The same as the verbs take it.
+    /// The same as the verbs take them.
     fn spec(self, py: Python<'_>) -> PyResult<BakeSpec> {
         let resolution = match (self.cells, self.length) {
             (Some(cells), None) => BakeResolution::Cells(cells),
@@ -63,7 +63,7 @@ impl BakeArguments {
     }
 }
 
-/// Distances, the report, and why the budget was not met, where it was not.
+/// Distances, the report, and why the budget was not met, if so.
 pub(crate) type BakedVolume = (Source, String, Option<String>);
 
 /// Distances to a shape on a lattice, and the report of `chordal bake` as JSON.
@@ -76,8 +76,8 @@ pub(crate) fn bake_input(
     let spec = arguments.spec(py)?;
     let NamedInput { input, name } = named;
     let listener = ProgressListener::new(progress, "bake");
-    let made = work::run(py, listener, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
-    let outcome = made.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
+    let baked = work::run(py, listener, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
+    let outcome = baked.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
     let run = RunFacts { verb: "bake", input: name, ..RunFacts::default() };
     let report = Report::new(outcome.certificate.clone(), run).to_value().to_string();
     let digest = work::run(py, None, {
@@ -89,7 +89,7 @@ pub(crate) fn bake_input(
     })?;
     let (n_bytes, sha256) = digest.map_err(|error| failure::write(py, &error))?;
     let unmet = outcome.unmet.as_ref().map(ToString::to_string);
-    // As a file of it carries it, so that what is made of it knows how far it is from the shape.
+    // As in a file: with the certificate, later results include the error of the samples.
     let certificate = Some(outcome.certificate.to_value());
     let volume = Volume { certificate, ..outcome.volume.into_dense() };
     let shape = Shape::Volume(VolumeShape { volume, surface: SurfaceSpec::default() });

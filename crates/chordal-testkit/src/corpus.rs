@@ -1,39 +1,39 @@
-//! Files that others made, which are no part of this tree. `CHORDAL_DATA` says where their folder is; without
-//! it they are looked for in `../shared/data` beside the checkout. A test that does not find its files says
-//! so loudly and ends.
+//! The corpus: files of other projects, which are not part of this repository. `CHORDAL_DATA` is the path of
+//! its folder; the default is `../shared/data` beside the checkout. A test whose files are missing prints so
+//! and ends.
 use std::path::{Path, PathBuf};
 
-/// Where the folder of foreign files should be.
+/// The folder of the corpus.
 fn root() -> PathBuf {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
     std::env::var_os("CHORDAL_DATA").map_or_else(|| beside.into(), PathBuf::from)
 }
 
-/// A file or folder of the corpus by its path in there, `""` being the whole; `None`, and a loud word, where
-/// it is not.
+/// A file or folder of the corpus by its path, `""` being the corpus itself; `None` with a message on stderr
+/// if it does not exist.
 pub fn find(path: &str) -> Option<PathBuf> {
-    let found = root().join(path);
-    if found.exists() {
-        return Some(found);
+    let full = root().join(path);
+    if full.exists() {
+        return Some(full);
     }
-    eprintln!("SKIPPED: there is no {}; CHORDAL_DATA says where the foreign files are", found.display());
+    eprintln!("SKIPPED: there is no {}; set CHORDAL_DATA to the folder of the foreign files", full.display());
     None
 }
 
-/// Every file below a folder, in order.
+/// Every file below a folder, sorted.
 ///
 /// # Panics
-/// Panics where a folder cannot be read.
+/// If a folder cannot be read.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
-    let (mut open, mut found) = (vec![folder.to_owned()], Vec::new());
+    let (mut open, mut files) = (vec![folder.to_owned()], Vec::new());
     while let Some(folder) = open.pop() {
         for entry in std::fs::read_dir(&folder).expect("a folder") {
             let path = entry.expect("an entry").path();
-            if path.is_dir() { open.push(path) } else { found.push(path) }
+            if path.is_dir() { open.push(path) } else { files.push(path) }
         }
     }
-    found.sort();
-    found
+    files.sort();
+    files
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! One number for many bytes, to see whether they are the same.
+//! A hash of bytes, to compare outputs.
 
-/// A number for all that was added: 64-bit FNV-1a.
+/// A 64-bit FNV-1a hash.
 ///
 /// Source: G. Fowler, L. C. Noll, K.-P. Vo, *The FNV non-cryptographic hash algorithm*, 1991.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,11 +14,11 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
-    /// That of these bytes.
+    /// The hash of some bytes.
     pub fn of(bytes: &[u8]) -> u64 {
-        let mut own = Self::default();
-        own.add(bytes);
-        own.0
+        let mut hash = Self::default();
+        hash.add(bytes);
+        hash.0
     }
 
     /// Adds bytes.

@@ -1,15 +1,15 @@
-//! A folder of one test's own.
+//! `Folder`: a temporary folder of a test.
 use std::path::{Path, PathBuf};
 
-/// An empty folder of one test's own, removed when the test is over.
+/// A temporary folder of a test, removed at its end.
 #[derive(Debug)]
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// An empty folder; `name` is the test's, and is in no other test of the program.
+    /// An empty folder. `name` has to be unique among the tests of a program.
     ///
     /// # Panics
-    /// Panics where it cannot be made.
+    /// If it cannot be created.
     pub fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("chordal-{}-{name}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
@@ -17,12 +17,12 @@ impl Folder {
         Self(path)
     }
 
-    /// Its own name.
+    /// The name of the folder.
     pub fn name(&self) -> &str {
         self.0.file_name().and_then(|name| name.to_str()).unwrap_or("")
     }
 
-    /// A path inside.
+    /// The path of a file in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
@@ -30,24 +30,24 @@ impl Folder {
     /// The same as text.
     ///
     /// # Panics
-    /// Panics where the system's temporary folder has a name that is no Unicode.
+    /// If the path of the system's temporary folder is not Unicode.
     pub fn text(&self, name: &str) -> String {
         self.path(name).to_str().expect("Unicode").to_owned()
     }
 
-    /// A file inside, written; its path as text.
+    /// Writes a file and returns its path as text.
     ///
     /// # Panics
-    /// Panics where it cannot be written.
+    /// If it cannot be written.
     pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
         std::fs::write(self.path(name), content).expect("a writable file");
         self.text(name)
     }
 
-    /// The names inside, in order.
+    /// The sorted names of its entries.
     ///
     /// # Panics
-    /// Panics where it cannot be read.
+    /// If it cannot be read.
     pub fn names(&self) -> Vec<String> {
         names(&self.0)
     }
@@ -65,10 +65,10 @@ impl Drop for Folder {
     }
 }
 
-/// The names in a folder, in order.
+/// The sorted names of the entries of a folder.
 ///
 /// # Panics
-/// Panics where it cannot be read.
+/// If it cannot be read.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let mut names: Vec<_> =

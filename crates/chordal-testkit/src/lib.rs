@@ -1,9 +1,9 @@
-//! What the tests of Chordal's crates share: random numbers, the folder of foreign files, folders of a test's
-//! own, how long a sweep may take, fingerprints, a font, and the samplers that measure surfaces.
+//! Shared helpers of the tests: random numbers, the corpus of foreign files, temporary folders, the size of
+//! sweeps, fingerprints, a font, and samplers that measure surfaces.
 //!
-//! This crate depends on nothing, and least of all on a crate that it helps to judge: a sampler that called
-//! the library would repeat its mistakes. So shapes come in as arrays. It stands below all others, only as a
-//! dependency of tests and benches, and is not published.
+//! This crate has no dependencies, least of all on a crate that it helps to test: a sampler that called the
+//! library would repeat its mistakes. So shapes are passed as arrays. Only tests and benches depend on it,
+//! and it is not published.
 pub mod corpus;
 mod effort;
 mod fingerprint;

@@ -1,9 +1,9 @@
 //! Random numbers that are the same on every machine.
 
-/// A generator: equal seeds give equal numbers, whatever the seed. A test prints the seed that it runs with.
+/// A generator of random numbers: equal seeds give equal numbers. A test prints its seed.
 ///
-/// Numbers of one generator are even and independent enough for shapes and places; streams of neighbouring
-/// seeds have nothing to do with each other.
+/// The numbers are uniform and independent enough for shapes and points; streams of neighbouring seeds are
+/// unrelated.
 ///
 /// Source: SplitMix64 of G. Steele, D. Lea and C. Flood, *Fast splittable pseudorandom number generators*,
 /// 2014.
@@ -16,7 +16,7 @@ impl Random {
         Self(seed)
     }
 
-    /// 64 bits, each as good as the others.
+    /// 64 random bits of equal quality.
     pub fn bits(&mut self) -> u64 {
         // Defined by the source: the golden ratio as a step, and the mixing of its variant 13.
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -25,10 +25,10 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// One of `0..n`.
+    /// A number of `0..n`.
     ///
     /// # Panics
-    /// Panics for `n` = 0.
+    /// If `n` is 0.
     pub fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize
     }
@@ -38,17 +38,17 @@ impl Random {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// In [−1, 1).
+    /// A number in [−1, 1).
     pub fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 
-    /// Evenly between two numbers.
+    /// A number between two others, uniformly.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// A power of ten with an exponent evenly between two numbers.
+    /// A power of ten with a uniform exponent between two numbers.
     pub fn power(&mut self, low: f64, high: f64) -> f64 {
         10_f64.powf(self.between(low, high))
     }
@@ -63,7 +63,7 @@ impl Random {
         std::array::from_fn(|_| reach * self.signed())
     }
 
-    /// A unit vector, even over the sphere.
+    /// A unit vector, uniform over the sphere.
     pub fn direction<const D: usize>(&mut self) -> [f64; D] {
         loop {
             let p: [f64; D] = self.point();
@@ -74,7 +74,7 @@ impl Random {
         }
     }
 
-    /// Three weights ≥ 0 with the sum 1: a point of a triangle, even over its area.
+    /// Three weights ≥ 0 with sum 1: a point of a triangle, uniform over its area.
     pub fn weights(&mut self) -> [f64; 3] {
         let (a, b) = (self.unit(), self.unit());
         let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };

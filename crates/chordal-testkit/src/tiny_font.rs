@@ -1,9 +1,9 @@
-//! A font of six glyphs, made here: tests need no file of others for letters.
+//! A font of six glyphs, built here so that tests of letters need no foreign file.
 //!
-//! Its em has 1,000 units. Glyphs, with their characters and advances: 0 (none), 1 (space, 300), 2 (`A`, 600, a
-//! rectangle of 500 × 700), 3 (`O`, 700, a ring of quadratic curves), 4 (`X`, 600, two bars that overlap), 5 (`V`,
-//! 600, a triangle). `A` and `V` are 150 closer to each other than they would be. On the axis `wght`, from 400 to
-//! 900, `A` grows 100 wider, and so does its advance.
+//! Its em has 1,000 units. Glyphs, with their characters and advances: 0 (none), 1 (space, 300), 2 (`A`, 600,
+//! a rectangle of 500 × 700), 3 (`O`, 700, a ring of quadratic curves), 4 (`X`, 600, two bars that overlap),
+//! 5 (`V`, 600, a triangle). The pairs of `A` and `V` are kerned by −150. On the axis `wght`, from 400 to
+//! 900, `A` and its advance get 100 wider.
 
 /// A glyph: its contours, each point with whether it is on the curve, its advance.
 struct TinyGlyph {
@@ -11,17 +11,17 @@ struct TinyGlyph {
     advance: u16,
 }
 
-/// The area of a glyph of the [`tiny_font`] in square units, by its character; the axis is where the font says.
+/// The area of a glyph of the [`tiny_font`] in square units, by its character, at the default of the axis.
 ///
 /// # Panics
-/// Panics for a character that the font lacks.
+/// If the font lacks the character.
 #[must_use]
 pub fn tiny_glyph_area(character: char) -> f64 {
     match character {
         ' ' => 0.0,
         'A' => 500.0 * 700.0,
-        // A parabola cuts a third off the triangle that its control points make: of four corners with two sides of
-        // 300 each, and of the hole's with 150.
+        // A parabola cuts a third off the triangle of its control points: of four corners with sides of 300,
+        // and of the hole's with sides of 150.
         'O' => (600.0 * 600.0 - 4.0 * 300.0 * 300.0 / 6.0) - (300.0 * 300.0 - 4.0 * 150.0 * 150.0 / 6.0),
         // Two bars of 600 × 100, which share a square.
         'X' => 2.0 * 600.0 * 100.0 - 100.0 * 100.0,
@@ -62,7 +62,7 @@ fn words(words: &[u16]) -> Vec<u8> {
 }
 
 fn glyphs() -> Vec<TinyGlyph> {
-    // Clockwise, as contours of TrueType run around what is filled.
+    // Clockwise, as TrueType's outer contours.
     let corners = |points: &[(i16, i16)]| points.iter().map(|(x, y)| (*x, *y, true)).collect::<Vec<_>>();
     let bar = |x: i16, y: i16, w: i16, h: i16| corners(&[(x, y), (x, y + h), (x + w, y + h), (x + w, y)]);
     let round = |low: i16, high: i16| {
@@ -81,15 +81,15 @@ fn glyphs() -> Vec<TinyGlyph> {
     ]
 }
 
-/// A simple glyph of `glyf`; nothing where it has no contour.
+/// A simple glyph of `glyf`; empty without contours.
 fn outline(glyph: &TinyGlyph) -> Vec<u8> {
     let points: Vec<_> = glyph.contours.iter().flatten().collect();
     if points.is_empty() {
         return Vec::new();
     }
-    let range = |of: fn(&(i16, i16, bool)) -> i16| {
-        let all = points.iter().map(|point| of(point));
-        (all.clone().min().expect("a point"), all.max().expect("a point"))
+    let range = |coordinate: fn(&(i16, i16, bool)) -> i16| {
+        let values = points.iter().map(|point| coordinate(point));
+        (values.clone().min().expect("a point"), values.max().expect("a point"))
     };
     let ((left, right), (low, high)) = (range(|p| p.0), range(|p| p.1));
     let mut bytes = words(&[glyph.contours.len() as u16]);
@@ -99,14 +99,14 @@ fn outline(glyph: &TinyGlyph) -> Vec<u8> {
         end += contour.len() as u16;
         bytes.extend(words(&[end - 1]));
     }
-    // No instructions; then a flag for each point, and the steps between points, each as a word.
+    // No instructions; then a flag for each point, and the differences between points, each as a word.
     bytes.extend(words(&[0]));
     bytes.extend(points.iter().map(|point| u8::from(point.2)));
-    for of in [|p: &(i16, i16, bool)| p.0, |p: &(i16, i16, bool)| p.1] {
+    for coordinate in [|p: &(i16, i16, bool)| p.0, |p: &(i16, i16, bool)| p.1] {
         let mut before = 0;
         for point in &points {
-            bytes.extend((of(point) - before).to_be_bytes());
-            before = of(point);
+            bytes.extend((coordinate(point) - before).to_be_bytes());
+            before = coordinate(point);
         }
     }
     bytes.resize(bytes.len().next_multiple_of(4), 0);
@@ -115,14 +115,14 @@ fn outline(glyph: &TinyGlyph) -> Vec<u8> {
 
 fn head() -> Vec<u8> {
     // Version, revision, checksum, magic, flags, units; two dates; the box; style, smallest size, direction;
-    // offsets as double words, and no other format of data.
+    // offsets as 32 bits, and the only format of glyph data.
     let mut head = words(&[1, 0, 1, 0, 0, 0, 0x5F0F, 0x3CF5, 3, 1000]);
     head.extend([0; 16]);
     head.extend(words(&[0, 0, 700, 700, 0, 8, 2, 1, 0]));
     head
 }
 
-/// Characters as groups of one each (format 12).
+/// Groups of one character each (format 12).
 fn cmap() -> Vec<u8> {
     let mut groups: Vec<_> = " AOXV".chars().zip(1_u32..).collect();
     groups.sort_unstable();
@@ -141,8 +141,8 @@ fn fvar() -> Vec<u8> {
     fvar
 }
 
-/// One variation of glyph 2 at the end of the axis: steps of its four points and of the four that stand for its
-/// advances.
+/// One variation of glyph 2 at the end of the axis: deltas of its four points and of the four phantom points
+/// of its metrics.
 fn gvar(n_glyphs: u16) -> Vec<u8> {
     let mut varied = words(&[1, 10, 11, 0xA000, 0x4000]);
     varied.extend([0, 7, 0, 0, 100, 100, 0, 100, 0, 0, 0x87]);
@@ -158,19 +158,19 @@ fn gvar(n_glyphs: u16) -> Vec<u8> {
     gvar
 }
 
-/// The file: a list of tables, and the tables.
+/// The file: the table directory, and the tables.
 fn font_of(tables: Vec<([u8; 4], Vec<u8>)>) -> Vec<u8> {
     let n = tables.len() as u16;
     let mut file = words(&[1, 0, n, 128, 3, n * 16 - 128]);
-    let mut at = file.len() + 16 * tables.len();
+    let mut offset = file.len() + 16 * tables.len();
     let mut content = Vec::new();
     for (tag, table) in tables {
         file.extend(tag);
-        // Readers do not look at the sum of a table.
-        file.extend([0, at as u32, table.len() as u32].into_iter().flat_map(u32::to_be_bytes));
+        // The checksum of a table is 0, since readers ignore it.
+        file.extend([0, offset as u32, table.len() as u32].into_iter().flat_map(u32::to_be_bytes));
         content.extend(&table);
         content.resize(content.len().next_multiple_of(4), 0);
-        at += table.len().next_multiple_of(4);
+        offset += table.len().next_multiple_of(4);
     }
     file.extend(content);
     file

@@ -1,4 +1,4 @@
-//! What a page asks about two cubics: made to meet as smoothly as is wished, how they meet, and the comb of
+//! Requests of a page about two cubics: joining them with a given continuity, their join, and the comb of
 //! their curvature.
 use crate::curve_request::{CurveRequest, CurveRequestError, Leader};
 use chordal::Bezier;
@@ -7,16 +7,16 @@ use chordal::explicit::CurveSegment;
 use chordal::explicit::parametric::Continuity;
 use serde_json::{Value, json};
 
-/// Teeth of the comb of each curve.
+/// The number of teeth of each comb. Chosen: dense enough to look like a curve.
 const TEETH: usize = 40;
 
 /// Answers `{"first", "second", "smoothness", "leader", "scale"}`.
 pub(crate) fn curve_join(bytes: &[u8]) -> Result<Value, CurveRequestError> {
-    let asked = CurveRequest::parse(bytes, &["first", "second", "smoothness", "leader", "scale"])?;
-    let curves = [asked.cubic("first")?, asked.cubic("second")?];
-    let scale = asked.number("scale", [0.0, 1e3])?;
-    let curves = match asked.smoothness("smoothness")? {
-        Some(smoothness) => join_curves(curves, smoothness, asked.leader("leader")?),
+    let request = CurveRequest::parse(bytes, &["first", "second", "smoothness", "leader", "scale"])?;
+    let curves = [request.cubic("first")?, request.cubic("second")?];
+    let scale = request.number("scale", [0.0, 1e3])?;
+    let curves = match request.smoothness("smoothness")? {
+        Some(smoothness) => join_curves(curves, smoothness, request.leader("leader")?),
         None => curves,
     };
     let [first, second] = curves.map(CurveSegment::Cubic);
@@ -28,7 +28,7 @@ pub(crate) fn curve_join(bytes: &[u8]) -> Result<Value, CurveRequestError> {
     }))
 }
 
-/// The curve that does not lead is changed.
+/// Changes the curve that does not lead.
 fn join_curves([first, second]: [Bezier<2>; 2], smoothness: Continuity, leader: Leader) -> [Bezier<2>; 2] {
     match leader {
         Leader::First => [first, second.continuing(&first, smoothness)],
@@ -37,7 +37,7 @@ fn join_curves([first, second]: [Bezier<2>; 2], smoothness: Continuity, leader: 
 }
 
 fn join_json(join: &Join<2>, [before, after]: [Bezier<2>; 2]) -> Value {
-    // The comb's curvature has a sign, that of a join has none.
+    // Taken from combs of two teeth: their curvature has a sign, that of a join has none.
     let signed = |curve: Bezier<2>, t: f64| {
         curvature_comb(&curve.into(), 1, 0.0)
             .concat()
@@ -56,9 +56,9 @@ fn join_json(join: &Join<2>, [before, after]: [Bezier<2>; 2]) -> Value {
 }
 
 fn comb(curve: Bezier<2>, scale: f64) -> Vec<Value> {
-    let told =
+    let tooth_json =
         |tooth: &Tooth| json!({ "on_curve": tooth.on_curve, "tip": tooth.tip, "curvature": tooth.curvature });
-    curvature_comb(&curve.into(), TEETH, scale).iter().flatten().map(told).collect()
+    curvature_comb(&curve.into(), TEETH, scale).iter().flatten().map(tooth_json).collect()
 }
 
 #[cfg(test)]
@@ -73,13 +73,14 @@ mod tests {
 
     #[test]
     fn curvatures_have_the_sign_of_the_turn() {
-        // A left turn, then its image turned about the joint: an S, with one direction and opposite curvatures.
+        // A left turn, then its image turned about the joint: an S, with one direction and opposite
+        // curvatures.
         let right = "[[2, 2], [2, 3], [3, 4], [4, 4]]";
         let join = joined("[[0, 0], [1, 0], [2, 1], [2, 2]]", right);
         // 2/3 of the third control point's distance from the tangent over the square of the second one's.
         assert_eq!(join["curvatures"], json!([2.0 / 3.0, -2.0 / 3.0]));
         assert_eq!((join["geometric"].as_u64(), join["curvature_gap"].as_f64()), (Some(1), Some(4.0 / 3.0)));
-        // Where a curve stands still it has none.
+        // A curve has no curvature at a point of zero speed.
         assert_eq!(joined("[[0, 0], [1, 0], [2, 2], [2, 2]]", right)["curvatures"][0], Value::Null);
     }
 }

@@ -1,29 +1,31 @@
-//! Reads what a page asks about curves, from its JSON, one value at a time.
+//! Reads the JSON of a request about curves, one value at a time.
 use chordal::Bezier;
 use chordal::explicit::parametric::Continuity;
 use serde_json::{Map, Value};
 
-/// The most segments of one polyline; a page draws a few hundred.
+/// The most segments of one polyline. Chosen: a page draws a few hundred.
 pub(crate) const MOST_SEGMENTS: u64 = 4096;
-/// The most counts of one ladder.
+/// The most counts of one ladder. Chosen: a page asks for some dozens.
 const MOST_COUNTS: usize = 256;
-/// The largest coordinate: the page's own are below 100.
+/// The largest coordinate. Chosen: those of the page are below 100.
 const LARGEST: f64 = 1e6;
 
-/// A JSON object whose keys are known.
+/// A JSON object with known keys.
 pub(crate) struct CurveRequest(Map<String, Value>);
 
-/// What a value is, in one sentence, when it is not what it should be.
+/// One sentence about an invalid value.
 pub(crate) type CurveRequestError = String;
 
 impl CurveRequest {
     /// An object with no other keys than these.
     pub fn parse(bytes: &[u8], keys: &[&str]) -> Result<Self, CurveRequestError> {
         let value = serde_json::from_slice(bytes).map_err(|error| format!("a question is JSON: {error}"))?;
-        let Value::Object(all) = value else { return Err("a question is a JSON object".to_owned()) };
-        match all.keys().find(|key| !keys.contains(&key.as_str())) {
-            Some(key) => Err(format!("there is no '{key}' in this question; there are {}", keys.join(", "))),
-            None => Ok(Self(all)),
+        let Value::Object(object) = value else { return Err("a question is a JSON object".to_owned()) };
+        match object.keys().find(|key| !keys.contains(&key.as_str())) {
+            Some(key) => {
+                Err(format!("unknown key '{key}' in this question; the keys are {}", keys.join(", ")))
+            }
+            None => Ok(Self(object)),
         }
     }
 
@@ -34,8 +36,8 @@ impl CurveRequest {
     /// A number from `low` to `high`.
     pub fn number(&self, key: &str, [low, high]: [f64; 2]) -> Result<f64, CurveRequestError> {
         let value = self.get(key);
-        let found = value.as_f64().filter(|number| *number >= low && *number <= high);
-        found.ok_or_else(|| format!("{key} is a number from {low} to {high}, not {value}"))
+        let number = value.as_f64().filter(|number| *number >= low && *number <= high);
+        number.ok_or_else(|| format!("{key} is a number from {low} to {high}, not {value}"))
     }
 
     /// A number of segments.
@@ -45,10 +47,10 @@ impl CurveRequest {
 
     /// Numbers of segments.
     pub fn counts(&self, key: &str) -> Result<Vec<u64>, CurveRequestError> {
-        let all = self.get(key).as_array().filter(|all| all.len() <= MOST_COUNTS);
-        let all =
-            all.ok_or_else(|| format!("{key} is a list of at most {MOST_COUNTS} numbers of segments"))?;
-        all.iter().map(|value| segments(key, value)).collect()
+        let values = self.get(key).as_array().filter(|values| values.len() <= MOST_COUNTS);
+        let values =
+            values.ok_or_else(|| format!("{key} is a list of at most {MOST_COUNTS} numbers of segments"))?;
+        values.iter().map(|value| segments(key, value)).collect()
     }
 
     /// Four control points in the plane.
@@ -66,7 +68,7 @@ impl CurveRequest {
         Ok(Bezier { control })
     }
 
-    /// One of C0, C1, C2, or none.
+    /// C0, C1, C2, or none.
     pub fn smoothness(&self, key: &str) -> Result<Option<Continuity>, CurveRequestError> {
         match self.get(key).as_str() {
             Some("none") => Ok(None),
@@ -77,7 +79,7 @@ impl CurveRequest {
         }
     }
 
-    /// Whether the first or the second curve leads.
+    /// Which curve leads.
     pub fn leader(&self, key: &str) -> Result<Leader, CurveRequestError> {
         match self.get(key).as_str() {
             Some("first") => Ok(Leader::First),
@@ -87,7 +89,7 @@ impl CurveRequest {
     }
 }
 
-/// Which of two curves keeps its control points while the other follows.
+/// The curve that keeps its control points while the other follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leader {
     First,
@@ -95,6 +97,6 @@ pub(crate) enum Leader {
 }
 
 fn segments(key: &str, value: &Value) -> Result<u64, CurveRequestError> {
-    let found = value.as_u64().filter(|n| (1..=MOST_SEGMENTS).contains(n));
-    found.ok_or_else(|| format!("{key}: a number of segments is from 1 to {MOST_SEGMENTS}, not {value}"))
+    let n = value.as_u64().filter(|n| (1..=MOST_SEGMENTS).contains(n));
+    n.ok_or_else(|| format!("{key}: a number of segments is from 1 to {MOST_SEGMENTS}, not {value}"))
 }

@@ -1,14 +1,14 @@
-//! Chordal as a plain WASM module: numbers and bytes in, numbers and bytes out, no glue to generate.
+//! Chordal as a plain WASM module: numbers and bytes in, numbers and bytes out, without generated glue code.
 //!
-//! Whoever calls puts bytes into the module's memory and gets a handle to an outcome back:
+//! The caller copies bytes into the module's memory and gets a handle to an outcome:
 //!
 //! ```text
 //! input   = chordal_alloc(n)            n bytes to fill; likewise for options, a JSON text
 //! outcome = chordal_mesh(input, n, options, m)
 //! chordal_exit(outcome)                 0, or the exit code that the command would have ended with
-//! chordal_bytes / chordal_bytes_len     the file; empty when there is none
-//! chordal_report / chordal_report_len   the certificate as JSON; empty when there is none
-//! chordal_error / chordal_error_len     one sentence; empty when all went well
+//! chordal_bytes / chordal_bytes_len     the file; empty if there is none
+//! chordal_report / chordal_report_len   the certificate as JSON; empty if there is none
+//! chordal_error / chordal_error_len     one sentence; empty if there is no error
 //! chordal_release(outcome)
 //! chordal_free(input, n); chordal_free(options, m)
 //! ```
@@ -19,8 +19,8 @@
 //! tol, px with view, triangles and, for curves to polylines, segments. Same input, same options, same
 //! version: the same bytes as from the command.
 //!
-//! A page that shows curves asks three more things, each with a JSON object, and finds the answer as JSON
-//! where the report stands:
+//! A page that shows curves has three more calls. Each takes a JSON object, and its answer is the JSON in the
+//! outcome's report:
 //!
 //! ```text
 //! chordal_study(question, n)    {"control": [[x, y] × 4], "segments": 8, "other": 16, "pixels_per_unit": 70, "pixels": 0.5, "t": 0.5, "near": 0.2}
@@ -28,13 +28,13 @@
 //! chordal_seam(question, n)     {"first": [[x, y] × 4], "second": …, "smoothness": "C1", "leader": "first", "scale": 0.5}
 //! ```
 //!
-//! The exhibits of the studio ask by name, and large arrays of the answer lie in the outcome's bytes:
+//! The exhibits of the studio are called by name, and large arrays of the answer are in the outcome's bytes:
 //!
 //! ```text
 //! chordal_exhibit(question, n)  {"exhibit": "quad", …}; an array of the answer is {"f32": [start, length]} or {"u32": …}
 //! ```
 //!
-//! Growing memory detaches views that JavaScript holds: make a new `Uint8Array` after every call.
+//! Growing the memory detaches JavaScript's views of it: make a new `Uint8Array` after every call.
 mod curve_join;
 mod curve_request;
 #[cfg(feature = "exhibits")]
@@ -50,27 +50,26 @@ mod study;
 
 use outcome::Outcome;
 
-/// Room for `len` bytes, zeroed. Never null: a module without memory left traps.
+/// Allocates `len` zeroed bytes. Never null: a module that runs out of memory traps.
 #[unsafe(no_mangle)]
 pub extern "C" fn chordal_alloc(len: usize) -> *mut u8 {
     Box::into_raw(vec![0_u8; len].into_boxed_slice()).cast()
 }
 
-/// Gives room back.
+/// Frees bytes.
 ///
 /// # Safety
-/// `at` and `len` are from one call of [`chordal_alloc`], and it is the first time.
+/// `at` and `len` are from one call of [`chordal_alloc`] and were not freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_free(at: *mut u8, len: usize) {
-    // SAFETY: by the contract this is the slice that `chordal_alloc` made and leaked, and nobody else frees
-    // it.
+    // SAFETY: by the contract this is the slice that `chordal_alloc` leaked, and it is freed only here.
     drop(unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(at, len)) });
 }
 
 /// Turns the shape in `input` into triangles, as `options` say.
 ///
 /// # Safety
-/// Each pair of `at` and `len` is from one call of [`chordal_alloc`] and was not given back.
+/// Each pair of an address and a length is from one call of [`chordal_alloc`] and was not freed.
 #[cfg(feature = "files")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_mesh(
@@ -79,8 +78,8 @@ pub unsafe extern "C" fn chordal_mesh(
     options: *const u8,
     options_len: usize,
 ) -> *mut Outcome {
-    // SAFETY: by the contract both are initialised, live, of that length, and nobody writes during the call,
-    // for WASM modules like this one have one thread.
+    // SAFETY: by the contract both are initialized, live and of that length, and nothing writes to them
+    // during the call, since a WASM module like this one has one thread.
     let (input, options) = unsafe {
         (std::slice::from_raw_parts(input, input_len), std::slice::from_raw_parts(options, options_len))
     };
@@ -93,11 +92,11 @@ macro_rules! questions {
         $(#[$doc])+
         ///
         /// # Safety
-        /// `question` and `len` are from one call of [`chordal_alloc`] and were not given back.
+        /// `question` and `len` are from one call of [`chordal_alloc`] and were not freed.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(question: *const u8, len: usize) -> *mut Outcome {
-            // SAFETY: by the contract it is initialised, live, of that length, and nobody writes during the
-            // call, for WASM modules like this one have one thread.
+            // SAFETY: by the contract it is initialized, live and of that length, and nothing writes to it
+            // during the call, since a WASM module like this one has one thread.
             let question = unsafe { std::slice::from_raw_parts(question, len) };
             Box::into_raw(Box::new(outcome::answer($answer(question))))
         }
@@ -105,24 +104,24 @@ macro_rules! questions {
 }
 
 questions! {
-    /// One cubic with a number of segments: both chains, their gaps and bounds, the same for another number, how
-    /// many segments a tolerance takes, by proof and by formula, and de Casteljau's construction.
+    /// One cubic with a number of segments: both chains, their gaps and bounds, the same for another number,
+    /// the number of segments for a tolerance, by proof and by formula, and de Casteljau's construction.
     chordal_study: study::study;
-    /// How the error of one cubic falls with the number of segments.
+    /// The error of one cubic by the number of segments.
     chordal_ladder: study::ladder;
-    /// Two cubics made to meet smoothly, their joint, and the comb of their curvature.
+    /// Two cubics joined smoothly, their join, and the combs of their curvature.
     chordal_seam: curve_join::curve_join;
 }
 
-/// What an exhibit of the studio asks; its large arrays are in the outcome's bytes.
+/// Answers an exhibit of the studio; large arrays are in the outcome's bytes.
 ///
 /// # Safety
-/// `question` and `len` are from one call of [`chordal_alloc`] and were not given back.
+/// `question` and `len` are from one call of [`chordal_alloc`] and were not freed.
 #[cfg(feature = "exhibits")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_exhibit(question: *const u8, len: usize) -> *mut Outcome {
-    // SAFETY: by the contract it is initialised, live, of that length, and nobody writes during the call, for
-    // WASM modules like this one have one thread.
+    // SAFETY: by the contract it is initialized, live and of that length, and nothing writes to it during the
+    // call, since a WASM module like this one has one thread.
     let question = unsafe { std::slice::from_raw_parts(question, len) };
     Box::into_raw(Box::new(exhibits::outcome(question)))
 }
@@ -130,10 +129,10 @@ pub unsafe extern "C" fn chordal_exhibit(question: *const u8, len: usize) -> *mu
 /// 0, or the exit code that the command would have ended with.
 ///
 /// # Safety
-/// `outcome` is from [`chordal_study`] or one of its like, and was not released; likewise below.
+/// `outcome` is from [`chordal_study`] or another call, and was not released; likewise below.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_exit(outcome: *const Outcome) -> u32 {
-    // SAFETY: by the contract it is a live box that nobody writes to.
+    // SAFETY: by the contract it is a live box that nothing writes to.
     u32::from(unsafe { &*outcome }.exit)
 }
 
@@ -146,38 +145,38 @@ macro_rules! bytes {
         /// As for [`chordal_exit`]; the bytes live until the release.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $start(outcome: *const Outcome) -> *const u8 {
-            // SAFETY: by the contract it is a live box that nobody writes to.
+            // SAFETY: by the contract it is a live box that nothing writes to.
             unsafe { &*outcome }.$field.as_ptr()
-        }
+            }
 
-        /// Their number.
+            /// The number of these bytes.
         ///
         /// # Safety
         /// As for [`chordal_exit`].
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $len(outcome: *const Outcome) -> usize {
-            // SAFETY: by the contract it is a live box that nobody writes to.
+            // SAFETY: by the contract it is a live box that nothing writes to.
             unsafe { &*outcome }.$field.len()
         }
     )*};
 }
 
 bytes! {
-    /// The bytes of the file that was made.
+    /// The bytes of the file.
     bytes: chordal_bytes, chordal_bytes_len;
     /// The certificate as JSON.
     report: chordal_report, chordal_report_len;
-    /// What went wrong, in one sentence.
+    /// The error, as one sentence.
     error: chordal_error, chordal_error_len;
 }
 
-/// Gives an outcome back.
+/// Frees an outcome.
 ///
 /// # Safety
-/// `outcome` is from [`chordal_study`] or one of its like, and it is the first time.
+/// `outcome` is from [`chordal_study`] or another call, and was not released before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_release(outcome: *mut Outcome) {
-    // SAFETY: by the contract this is the box that `chordal_mesh` leaked, and nobody else drops it.
+    // SAFETY: by the contract this is a box that one of the calls leaked, and it is dropped only here.
     drop(unsafe { Box::from_raw(outcome) });
 }
 
@@ -189,7 +188,7 @@ mod tests {
 
     fn into_raw(bytes: &[u8]) -> (*mut u8, usize) {
         let at = chordal_alloc(bytes.len());
-        // SAFETY: room for as many bytes was just made.
+        // SAFETY: as many bytes were just allocated.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), at, bytes.len()) };
         (at, bytes.len())
     }
@@ -197,12 +196,12 @@ mod tests {
     /// Exit code, file, certificate, error.
     fn call(input: &[u8], options: &str) -> (u32, Vec<u8>, String, String) {
         let (input, options) = (into_raw(input), into_raw(options.as_bytes()));
-        // SAFETY: everything is from `chordal_alloc` and `chordal_mesh`, and given back once, at the end.
+        // SAFETY: everything is from `chordal_alloc` and `chordal_mesh`, and is freed once, at the end.
         unsafe {
             let outcome = chordal_mesh(input.0, input.1, options.0, options.1);
             let copy = |at: *const u8, len: usize| std::slice::from_raw_parts(at, len).to_vec();
             let text = |at, len| String::from_utf8(copy(at, len)).unwrap();
-            let all = (
+            let results = (
                 chordal_exit(outcome),
                 copy(chordal_bytes(outcome), chordal_bytes_len(outcome)),
                 text(chordal_report(outcome), chordal_report_len(outcome)),
@@ -211,7 +210,7 @@ mod tests {
             chordal_release(outcome);
             chordal_free(input.0, input.1);
             chordal_free(options.0, options.1);
-            all
+            results
         }
     }
 
@@ -234,12 +233,12 @@ mod tests {
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "tol": "-1"}"#, 2, "greater than 0"),
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "px": "1"}"#, 2, "view"),
             (TRIANGLE, r#"{"name": "t.obj", "to": "ply", "tol": "1", "quantize": true}"#, 2, "glb"),
-            (TRIANGLE, r#"{"name": "t.obj", "to": "bpt", "tol": "1"}"#, 2, "only read"),
+            (TRIANGLE, r#"{"name": "t.obj", "to": "bpt", "tol": "1"}"#, 2, "can only be read"),
             (b"v 0 0", r#"{"name": "t.obj", "to": "glb", "tol": "1"}"#, 3, "line 1"),
             (b"", r#"{"to": "glb", "tol": "1"}"#, 3, "empty"),
         ] {
-            let (found, bytes, _, error) = call(input, options);
-            assert_eq!(found, exit, "{options}: {error}");
+            let (code, bytes, _, error) = call(input, options);
+            assert_eq!(code, exit, "{options}: {error}");
             assert!(error.contains(part) && bytes.is_empty(), "{options}: {error}");
         }
     }

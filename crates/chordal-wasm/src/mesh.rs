@@ -1,4 +1,4 @@
-//! A file in, a file out: any shape into triangles.
+//! Meshes a shape from the bytes of a file to the bytes of another.
 use crate::options::MeshCall;
 use crate::outcome::Outcome;
 use crate::spelling::{AsCommand, JsonKeys};
@@ -30,13 +30,13 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
         let Shape::Volume(sampled) = &mut input.shape else {
             return Outcome::failed(
                 2,
-                "iso, inside, labels, smooth, cap and open are for volumes, and this is none",
+                "iso, inside, labels, smooth, cap and open are for volumes, and this is not one",
             );
         };
         sampled.surface = surface;
     }
     match mesh_verb(input, &options.spec, options.to, &Job::default()) {
-        Ok(made) => mesh_outcome(made),
+        Ok(outcome) => mesh_outcome(outcome),
         Err(failure) => {
             let (exit, sentence) = (failure.exit_code(), failure.to_string());
             match failure {
@@ -49,18 +49,18 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
     }
 }
 
-fn mesh_outcome(made: MeshOutcome) -> Outcome {
-    let mut made = made.spelled(&AsCommand);
-    if made.names_files() {
-        // One call gives one file.
-        let note = format!("{} has materials in files beside it: they were left out", made.format);
-        made.certificate.notes.push(note.into());
+fn mesh_outcome(outcome: MeshOutcome) -> Outcome {
+    let mut outcome = outcome.spelled(&AsCommand);
+    if outcome.names_files() {
+        // A call returns only one file.
+        let note = format!("the materials of {} are separate files: they were left out", outcome.format);
+        outcome.certificate.notes.push(note.into());
     }
     let mut bytes = Vec::new();
-    match made.write(&mut bytes) {
+    match outcome.write(&mut bytes) {
         Ok(()) => Outcome {
             bytes,
-            report: made.certificate.to_value().to_string().into_bytes(),
+            report: outcome.certificate.to_value().to_string().into_bytes(),
             ..Outcome::default()
         },
         Err(error) => Outcome::failed(4, error),

@@ -1,4 +1,5 @@
-//! `MeshCall`: a call of `mesh`, from its JSON. Its keys are the options of the tables that all shells read, with `_` for `-`.
+//! `MeshCall`: a call of `mesh`, from its JSON. Its keys are the options of the tables that all shells read,
+//! with `_` for `-`.
 use crate::spelling::JsonKeys;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
@@ -16,11 +17,11 @@ pub(crate) struct MeshCall {
     pub to: OutputForm,
     pub spec: BudgetSpec,
     pub keep_best: bool,
-    /// Which surface of a volume is meant, if anything is said of one.
+    /// The options for the surface of a volume, if any is given.
     pub surface: Option<SurfaceSpec>,
 }
 
-/// The keys that stand in no table.
+/// The keys that are in no table.
 const OWN_KEYS: [&str; 3] = ["name", "compress", "quantize"];
 /// Options that a module without a clock and with one file as its result cannot serve.
 const NOT_HERE: [&str; 2] = ["within", "level"];
@@ -38,55 +39,59 @@ impl MeshCall {
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         let value: Value =
             serde_json::from_slice(bytes).map_err(|error| format!("options are a JSON object: {error}"))?;
-        let Value::Object(all) = value else { return Err("options are a JSON object".to_owned()) };
-        if let Some(key) = all.keys().find(|key| !keys().any(|known| known == **key)) {
+        let Value::Object(object) = value else { return Err("options are a JSON object".to_owned()) };
+        if let Some(key) = object.keys().find(|key| !keys().any(|known| known == **key)) {
             let known: Vec<String> = keys().collect();
-            return Err(format!("there is no option '{key}'; there are {}", known.join(", ")));
+            return Err(format!("there is no option '{key}'; the options are {}", known.join(", ")));
         }
-        let all = OptionReader(&all);
-        let options: MeshOptions = all.request()?.unwrap_or_default();
+        let reader = OptionReader(&object);
+        let options: MeshOptions = reader.request()?.unwrap_or_default();
         let spec = options.spec().map_err(|why| why.spelled(&JsonKeys).to_string())?;
         if !spec.has_limit() {
             return Err("a budget is needed: tol, px with view, triangles or segments".to_owned());
         }
         let to = options.to.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
         if !to.holds_triangles() && !to.holds_polylines() {
-            return Err(format!("{to} is only read; what can be written is {}", formats::output_names()));
+            return Err(format!(
+                "{to} can only be read; formats that can be written are {}",
+                formats::output_names()
+            ));
         }
-        let compress = all.text("compress")?;
+        let compress = reader.text("compress")?;
         if let Some(codec) = compress.as_deref().filter(|codec| *codec != "meshopt") {
             return Err(format!("compress is \"meshopt\", not {codec}"));
         }
-        let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: all.flag("quantize")? };
+        let packing =
+            GltfPacking { is_compressed: compress.is_some(), is_quantized: reader.flag("quantize")? };
         if packing != GltfPacking::default() && !to.is_gltf() {
             let names = in_words(&names_where(Format::is_gltf), "and");
             return Err(format!("compress and quantize are for {names}; {to} holds plain numbers"));
         }
         Ok(Self {
-            name: all.text("name")?,
-            read: all.request()?.unwrap_or_default(),
+            name: reader.text("name")?,
+            read: reader.request()?.unwrap_or_default(),
             to: OutputForm { format: to, packing },
             spec,
             keep_best: options.keep_best,
-            surface: all.request()?,
+            surface: reader.request()?,
         })
     }
 }
 
-/// Reads one value at a time; null is as good as nothing.
+/// Reads one value at a time; null counts as missing.
 struct OptionReader<'a>(&'a Map<String, Value>);
 
 impl OptionReader<'_> {
-    /// The request that the options of a table make, if any of them is given.
+    /// The request from the options of a table, if any of them is given.
     fn request<S: OptionTable>(&self) -> Result<Option<S>, String> {
         let mut request = None;
         for row in S::ROWS {
             let key = row.name.replace('-', "_");
             let texts = match self.get(&key) {
                 // As in `"set": ["r=1", "h=2"]`.
-                Some(Value::Array(all)) if row.is_repeatable => {
+                Some(Value::Array(values)) if row.is_repeatable => {
                     let text = |value: &Value| value.as_str().map(str::to_owned);
-                    let texts: Option<Vec<String>> = all.iter().map(text).collect();
+                    let texts: Option<Vec<String>> = values.iter().map(text).collect();
                     texts.ok_or_else(|| format!("{key} is a list of texts"))?
                 }
                 _ => self.text_for(row, &key)?.into_iter().collect(),
@@ -106,8 +111,8 @@ impl OptionReader<'_> {
         }
         match self.get(key) {
             // As in `"labels": [1, 2]`.
-            Some(Value::Array(all)) => {
-                let texts: Vec<String> = all.iter().map(Value::to_string).collect();
+            Some(Value::Array(values)) => {
+                let texts: Vec<String> = values.iter().map(Value::to_string).collect();
                 Ok(Some(texts.join(",")))
             }
             _ => self.text(key),
@@ -118,7 +123,7 @@ impl OptionReader<'_> {
         self.0.get(key).filter(|value| !value.is_null())
     }
 
-    /// A text; a number will do as well.
+    /// A text; a number is converted to text.
     fn text(&self, key: &str) -> Result<Option<String>, String> {
         match self.get(key) {
             None => Ok(None),

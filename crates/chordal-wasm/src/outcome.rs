@@ -1,5 +1,5 @@
-//! What a call came to.
-/// What a call came to: a file with its certificate, or a sentence; with `keep_best`, both.
+//! `Outcome`: the result of a call.
+/// The result of a call: a file with its certificate, or an error; with `keep_best`, both.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
     /// 0, or an exit code of the command.
@@ -8,7 +8,7 @@ pub struct Outcome {
     pub(crate) bytes: Vec<u8>,
     /// The certificate, or the answer to a question, as JSON.
     pub(crate) report: Vec<u8>,
-    /// One sentence.
+    /// The error, as one sentence.
     pub(crate) error: Vec<u8>,
 }
 
@@ -18,7 +18,7 @@ impl Outcome {
     }
 }
 
-/// The answer to a page's question, which stands in the report's place.
+/// The answer to a page's question, as the report of an outcome.
 pub(crate) fn answer(answer: Result<serde_json::Value, String>) -> Outcome {
     match answer {
         Ok(answer) => Outcome { report: answer.to_string().into_bytes(), ..Outcome::default() },

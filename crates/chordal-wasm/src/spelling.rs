@@ -1,8 +1,8 @@
-//! `JsonKeys` and `AsCommand`: how this module spells settings, in its sentences and in certificates.
+//! `JsonKeys` and `AsCommand`: the spelling of settings in messages and in certificates.
 use crate::options::keys;
 use chordal::budget::advice::{Setting, Spelling};
 
-/// Settings as keys of the options; what has no key is named as an option of the command.
+/// Settings as keys of the options; settings without a key as options of the command.
 pub(crate) struct JsonKeys;
 
 impl Spelling for JsonKeys {
@@ -21,7 +21,8 @@ impl Spelling for JsonKeys {
     }
 }
 
-/// Settings as the command spells them, for certificates: their bytes are the same wherever they are made.
+/// Settings in the spelling of the command, for certificates, whose bytes do not depend on where they are
+/// made.
 pub(crate) struct AsCommand;
 
 impl Spelling for AsCommand {

@@ -1,5 +1,4 @@
-//! What a page asks about one cubic: its polylines at a number of segments, and how the error falls with that
-//! number.
+//! Requests of a page about one cubic: its polylines with a number of segments, and the error by that number.
 use crate::curve_request::{CurveRequest, CurveRequestError};
 use chordal::budget::Bounded;
 use chordal::check::curves::{Gap, largest_gap};
@@ -8,16 +7,18 @@ use chordal::explicit::{Curve, Polyline};
 use chordal::{Bezier, Bound, Budget, Failure, Job, Tolerance};
 use serde_json::{Value, json};
 
-/// The most segments tried for a tolerance. Trying one after the other up to here is half a million chords.
+/// The most segments that are tried for a tolerance. Chosen: trying all numbers up to here takes half a
+/// million chords.
 const MOST_TRIED: u64 = 1024;
-/// The parts of the curve whose ends are told, so that a page finds the parameter under a finger.
+/// The number of parts of the curve whose ends the page gets, to find the parameter under a finger. Chosen:
+/// fine enough for a finger.
 const RAIL: u64 = 96;
 /// The range of pixels per unit, and of a tolerance in pixels.
 const SCALES: [f64; 2] = [1e-3, 1e6]; // defined: far more than any screen shows
 
 type ChainResult = Result<Bounded<Polyline<2>>, Failure<Polyline<2>>>;
 
-/// How the segments of a chain are placed.
+/// The spacing of the segments of a chain.
 #[derive(Clone, Copy)]
 enum ChainSpacing {
     Even,
@@ -32,7 +33,7 @@ impl ChainSpacing {
         }
     }
 
-    /// The chain of at most `n` segments, which a single piece always has.
+    /// The chain of at most `n` segments; a single piece always has one.
     fn polyline(self, curve: &Curve<2>, n: u64) -> Result<Bounded<Polyline<2>>, CurveRequestError> {
         self.approximate(curve, &Budget::segments(n)).map_err(|failure| failure.to_string())
     }
@@ -40,25 +41,25 @@ impl ChainSpacing {
 
 /// Answers `{"control", "segments", "other", "pixels_per_unit", "pixels", "t", "near"}`.
 pub(crate) fn study(bytes: &[u8]) -> Result<Value, CurveRequestError> {
-    let asked = CurveRequest::parse(
+    let request = CurveRequest::parse(
         bytes,
         &["control", "segments", "other", "pixels_per_unit", "pixels", "t", "near"],
     )?;
-    let cubic = asked.cubic("control")?;
-    let n = asked.segments("segments")?;
-    let other = asked.segments("other")?;
-    let scale = asked.number("pixels_per_unit", SCALES)?;
-    let pixels = asked.number("pixels", SCALES)?;
-    let t = asked.number("t", [0.0, 1.0])?;
-    let near = asked.number("near", SCALES)?;
+    let cubic = request.cubic("control")?;
+    let n = request.segments("segments")?;
+    let other = request.segments("other")?;
+    let scale = request.number("pixels_per_unit", SCALES)?;
+    let pixels = request.number("pixels", SCALES)?;
+    let t = request.number("t", [0.0, 1.0])?;
+    let near = request.number("near", SCALES)?;
     let curve = Curve::from(cubic);
-    let told = |chain: ChainSpacing, n: u64| {
-        chain.polyline(&curve, n).map(|made| chain_json(&cubic, &made, [scale, near]))
+    let chain_facts = |chain: ChainSpacing, n: u64| {
+        chain.polyline(&curve, n).map(|polyline| chain_json(&cubic, &polyline, [scale, near]))
     };
-    // Rounded down, so that what meets the length meets the pixels.
+    // Rounded down, so that a chain within the length is within the pixels.
     let length = Tolerance::new((pixels / scale).next_down()).map_err(|error| error.to_string())?;
     let chains = |n: u64| -> Result<[Value; 2], CurveRequestError> {
-        Ok([told(ChainSpacing::Even, n)?, told(ChainSpacing::Fewest, n)?])
+        Ok([chain_facts(ChainSpacing::Even, n)?, chain_facts(ChainSpacing::Fewest, n)?])
     };
     let ([even, fewest], [other_even, other_fewest]) = (chains(n)?, chains(other)?);
     Ok(json!({
@@ -77,15 +78,16 @@ pub(crate) fn study(bytes: &[u8]) -> Result<Value, CurveRequestError> {
     }))
 }
 
-/// How many times the larger of two gaps is the smaller; none where one of them is zero.
-fn times(one: &Value, other: &Value) -> Option<f64> {
+/// The ratio of the larger of two gaps to the smaller; `None` if one of them is zero.
+fn times(a: &Value, b: &Value) -> Option<f64> {
     let pixels = |chain: &Value| chain["gap"]["pixels"].as_f64().filter(|pixels| *pixels > 0.0);
-    let (one, other) = (pixels(one)?, pixels(other)?);
-    Some(if one > other { one / other } else { other / one })
+    let (a, b) = (pixels(a)?, pixels(b)?);
+    Some(if a > b { a / b } else { b / a })
 }
 
-/// The smallest numbers that are proved to keep the length. By equal steps a larger number may be worse: then
-/// `even_fails` is the largest that is not proved, with its gap, and `even_from` the one from which all are.
+/// The smallest numbers that are proved to be within the length. With equal steps a larger number may be
+/// worse: then `even_fails` is the largest number that is not proved, with its gap, and `even_from` the one
+/// from which all are.
 fn needed_json(curve: &Curve<2>, cubic: &Bezier<2>, length: Tolerance, scale: f64) -> Value {
     let even = min_even_segments(curve, length);
     let enough = wang_segments(cubic, length);
@@ -93,8 +95,8 @@ fn needed_json(curve: &Curve<2>, cubic: &Bezier<2>, length: Tolerance, scale: f6
         .filter(|_| enough <= MOST_TRIED)
         .and_then(|first| (first + 1..=enough).rev().find(|n| !is_proved(curve, *n, length)));
     let gap = fails.and_then(|n| {
-        let made = ChainSpacing::Even.polyline(curve, n).ok()?;
-        largest_gap(curve, &made.shape).map(|gap| in_pixels(gap.distance, scale))
+        let polyline = ChainSpacing::Even.polyline(curve, n).ok()?;
+        largest_gap(curve, &polyline.shape).map(|gap| in_pixels(gap.distance, scale))
     });
     json!({
         "even": even,
@@ -104,8 +106,8 @@ fn needed_json(curve: &Curve<2>, cubic: &Bezier<2>, length: Tolerance, scale: f6
     })
 }
 
-/// The formula for equal steps (G. Wang, 1984): no chord of a step `h` is farther from its curve than `h² / 8`
-/// times the largest second derivative, which for a cubic is at an end.
+/// The formula for equal steps (G. Wang, 1984): the chord of a step `h` is no farther from its curve than `h²
+/// / 8` times the largest second derivative, which a cubic has at an end.
 fn formula_json(cubic: &Bezier<2>, length: Tolerance, n: u64, scale: f64) -> Value {
     let bend = largest_second_derivative(cubic);
     let gap = bend / (8.0 * (n * n) as f64);
@@ -123,8 +125,8 @@ fn largest_second_derivative(cubic: &Bezier<2>) -> f64 {
     if end > start { end } else { start }
 }
 
-/// From this number of equal steps on every number keeps the length, but for the roundings of the formula, which any
-/// larger number has room for.
+/// The number of equal steps from which every number is within the length, up to the rounding of the formula,
+/// for which any larger number has a margin.
 fn wang_segments(cubic: &Bezier<2>, length: Tolerance) -> u64 {
     let steps = (largest_second_derivative(cubic) / (8.0 * length.get())).sqrt();
     // A cast from float to integer saturates.
@@ -133,17 +135,17 @@ fn wang_segments(cubic: &Bezier<2>, length: Tolerance) -> u64 {
 
 /// Answers `{"control", "counts", "pixels_per_unit"}`.
 pub(crate) fn ladder(bytes: &[u8]) -> Result<Value, CurveRequestError> {
-    let asked = CurveRequest::parse(bytes, &["control", "counts", "pixels_per_unit"])?;
-    let cubic = asked.cubic("control")?;
-    let counts = asked.counts("counts")?;
-    let scale = asked.number("pixels_per_unit", SCALES)?;
+    let request = CurveRequest::parse(bytes, &["control", "counts", "pixels_per_unit"])?;
+    let cubic = request.cubic("control")?;
+    let counts = request.counts("counts")?;
+    let scale = request.number("pixels_per_unit", SCALES)?;
     let curve = Curve::from(cubic);
     let rungs = |chain: ChainSpacing| -> Result<Value, CurveRequestError> {
         let rung = |n: &u64| {
-            let made = chain.polyline(&curve, *n)?;
-            let gap = largest_gap(&curve, &made.shape).map_or(0.0, |gap| gap.distance);
+            let polyline = chain.polyline(&curve, *n)?;
+            let gap = largest_gap(&curve, &polyline.shape).map_or(0.0, |gap| gap.distance);
             Ok(
-                json!({ "segments": made.shape.n_segments(), "gap": in_pixels(gap, scale), "bound": bound_in_pixels(&made.bound, scale) }),
+                json!({ "segments": polyline.shape.n_segments(), "gap": in_pixels(gap, scale), "bound": bound_in_pixels(&polyline.bound, scale) }),
             )
         };
         counts.iter().map(rung).collect()
@@ -163,34 +165,34 @@ fn construction(cubic: &Bezier<2>, t: f64) -> Value {
     json!({ "t": t, "first": levels.first, "second": levels.second, "point": levels.point })
 }
 
-/// A chain with what was lost, measured and proved, and the curve `near` the gap for a magnifying glass.
-/// Where the curve is a point there is no gap.
-fn chain_json(cubic: &Bezier<2>, made: &Bounded<Polyline<2>>, [scale, near]: [f64; 2]) -> Value {
-    // Of a curve that is one point, only rounding would be measured.
-    let found = if cubic.is_point() { None } else { largest_gap(&Curve::from(*cubic), &made.shape) };
-    let gap = found.map(|Gap { distance, place, on_curve, on_polyline }| {
+/// A chain with its measured gap and its proved bound, and the curve `near` the gap for a magnifying glass.
+/// There is no gap if the curve is a point.
+fn chain_json(cubic: &Bezier<2>, chain: &Bounded<Polyline<2>>, [scale, near]: [f64; 2]) -> Value {
+    // For a curve that is a point, only rounding would be measured.
+    let largest = if cubic.is_point() { None } else { largest_gap(&Curve::from(*cubic), &chain.shape) };
+    let gap = largest.map(|Gap { distance, place, on_curve, on_polyline }| {
         json!({
             "distance": distance, "pixels": in_pixels(distance, scale), "place": place,
             "on_curve": on_curve, "on_polyline": on_polyline, "near": part_near(cubic, place, near).control,
         })
     });
     json!({
-        "points": made.shape.points,
-        "places": made.shape.places,
-        "segments": made.shape.n_segments(),
+        "points": chain.shape.points,
+        "places": chain.shape.places,
+        "segments": chain.shape.n_segments(),
         "gap": gap,
         "bound": {
-            "at_least": made.bound.at_least(), "at_most": made.bound.at_most(),
-            "pixels": bound_in_pixels(&made.bound, scale), "evidence": made.bound.evidence().as_str(),
+            "at_least": chain.bound.at_least(), "at_most": chain.bound.at_most(),
+            "pixels": bound_in_pixels(&chain.bound, scale), "evidence": chain.bound.evidence().as_str(),
         },
     })
 }
 
-/// The part of the curve within about `reach` units of a parameter, by the speed there.
+/// The part of the curve within about `reach` units of a parameter, estimated by the speed there.
 fn part_near(cubic: &Bezier<2>, place: f64, reach: f64) -> Bezier<2> {
     let [dx, dy] = cubic.tangent(place);
     let step = reach / (dx * dx + dy * dy).sqrt();
-    // Where the curve stands still the step is infinite and the part is all of it.
+    // If the speed is zero, the step is infinite and the part is the whole curve.
     let (from, to) = (place - step, place + step);
     cubic.part(if from > 0.0 { from } else { 0.0 }, if to < 1.0 { to } else { 1.0 })
 }
@@ -199,34 +201,36 @@ fn in_pixels(distance: f64, scale: f64) -> f64 {
     distance * scale
 }
 
-/// The proved bound in pixels, never too small.
+/// The proved bound in pixels, rounded up.
 fn bound_in_pixels(bound: &Bound, scale: f64) -> Option<f64> {
     bound.at_most().map(|most| if most > 0.0 { (most * scale).next_up() } else { 0.0 })
 }
 
-/// Whether that many equal steps are proved to keep the length.
+/// Whether `n` equal steps are proved to be within the length.
 fn is_proved(curve: &Curve<2>, n: u64, length: Tolerance) -> bool {
-    let made = ChainSpacing::Even.approximate(curve, &Budget::segments(n));
-    made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
+    let chain = ChainSpacing::Even.approximate(curve, &Budget::segments(n));
+    chain.is_ok_and(|chain| chain.bound.at_most().is_some_and(|most| most <= length.get()))
 }
 
-/// The smallest number of equal steps that is proved to keep the length; none where [`MOST_TRIED`] do not.
+/// The smallest number of equal steps that is proved to be within the length; `None` if it exceeds
+/// [`MOST_TRIED`].
 fn min_even_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
     (1..=MOST_TRIED).find(|n| is_proved(curve, *n, length))
 }
 
-/// The smallest number of segments, wherever they are put, whose chain is proved to keep the length: the chain that is
-/// shown for that number alone. Where the length is asked for as well, one segment less may do.
+/// The smallest number of segments, placed freely, whose chain is proved to be within the length. It counts
+/// the chain for that number alone, as it is shown; with the length as a second limit, one segment less may
+/// suffice.
 fn min_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
     let budget = Budget { segments: Some(MOST_TRIED), ..Budget::length(length) };
     let most = ChainSpacing::Fewest.approximate(curve, &budget).ok()?.shape.n_segments() as u64;
-    let keeps = |n: u64| {
-        let made = ChainSpacing::Fewest.approximate(curve, &Budget::segments(n));
-        made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
+    let is_within = |n: u64| {
+        let chain = ChainSpacing::Fewest.approximate(curve, &Budget::segments(n));
+        chain.is_ok_and(|chain| chain.bound.at_most().is_some_and(|most| most <= length.get()))
     };
-    // The arrow promises nearly the fewest, so the answer is near.
-    let enough = (most..=MOST_TRIED).find(|n| keeps(*n))?;
-    (1..enough).rev().take_while(|n| keeps(*n)).last().or(Some(enough))
+    // The arrow makes nearly the fewest, so the search ends soon.
+    let enough = (most..=MOST_TRIED).find(|n| is_within(*n))?;
+    (1..enough).rev().take_while(|n| is_within(*n)).last().or(Some(enough))
 }
 
 #[cfg(test)]
@@ -235,23 +239,23 @@ mod tests {
 
     const ARCH: &str = r#""control": [[0, 0], [0, 1], [1, 1], [1, 0]], "pixels_per_unit": 100"#;
 
-    fn asked(rest: &str) -> Result<Value, CurveRequestError> {
+    fn study_arch(rest: &str) -> Result<Value, CurveRequestError> {
         let other = if rest.contains("other") { "" } else { r#""other": 2, "# };
         study(format!("{{{ARCH}, {other}{rest}}}").as_bytes())
     }
 
     #[test]
     fn tells_what_the_library_says_digit_for_digit() {
-        let told = asked(r#""segments": 7, "pixels": 0.5, "t": 0.25, "near": 0.1"#).unwrap();
+        let answer = study_arch(r#""segments": 7, "pixels": 0.5, "t": 0.25, "near": 0.1"#).unwrap();
         let arch = Curve::from(Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] });
-        for (name, made) in [
+        for (name, polyline) in [
             ("even", curve_to_polyline_evenly(&arch, &Budget::segments(7), &Job::default()).unwrap()),
             ("fewest", curve_to_polyline(&arch, &Budget::segments(7), &Job::default()).unwrap()),
         ] {
-            let chain = &told[name];
-            assert_eq!(chain["points"], json!(made.shape.points));
-            assert_eq!(chain["bound"]["at_most"], json!(made.bound.at_most()));
-            let gap = largest_gap(&arch, &made.shape).unwrap();
+            let chain = &answer[name];
+            assert_eq!(chain["points"], json!(polyline.shape.points));
+            assert_eq!(chain["bound"]["at_most"], json!(polyline.bound.at_most()));
+            let gap = largest_gap(&arch, &polyline.shape).unwrap();
             assert_eq!(chain["gap"]["distance"], json!(gap.distance));
             assert_eq!(chain["gap"]["pixels"], json!(gap.distance * 100.0));
         }
@@ -259,28 +263,30 @@ mod tests {
 
     #[test]
     fn what_is_needed_is_proved_to_be_enough() {
-        let told = asked(r#""segments": 1, "pixels": 0.5, "t": 0.5, "near": 0.1"#).unwrap();
+        let answer = study_arch(r#""segments": 1, "pixels": 0.5, "t": 0.5, "near": 0.1"#).unwrap();
         for name in ["even", "fewest"] {
-            let n = told["needed"][name].as_u64().unwrap();
-            let again = asked(&format!(r#""segments": {n}, "pixels": 0.5, "t": 0.5, "near": 0.1"#)).unwrap();
+            let n = answer["needed"][name].as_u64().unwrap();
+            let again =
+                study_arch(&format!(r#""segments": {n}, "pixels": 0.5, "t": 0.5, "near": 0.1"#)).unwrap();
             assert!(again[name]["bound"]["pixels"].as_f64().unwrap() <= 0.5, "{name}: {n}");
         }
     }
 
     #[test]
     fn twice_the_segments_are_told_beside_with_how_many_times_less_is_lost() {
-        let told = asked(r#""segments": 32, "other": 64, "pixels": 1, "t": 0, "near": 1"#).unwrap();
-        let again = asked(r#""segments": 64, "other": 32, "pixels": 1, "t": 0, "near": 1"#).unwrap();
+        let answer = study_arch(r#""segments": 32, "other": 64, "pixels": 1, "t": 0, "near": 1"#).unwrap();
+        let again = study_arch(r#""segments": 64, "other": 32, "pixels": 1, "t": 0, "near": 1"#).unwrap();
         for name in ["even", "fewest"] {
-            assert_eq!(told["other"][name], again[name]);
-            assert_eq!(told[name], again["other"][name]);
-            let times = told["other"]["times"][name].as_f64().unwrap();
+            assert_eq!(answer["other"][name], again[name]);
+            assert_eq!(answer[name], again["other"][name]);
+            let times = answer["other"]["times"][name].as_f64().unwrap();
             let pixels = |chain: &Value| chain["gap"]["pixels"].as_f64().unwrap();
-            assert_eq!(times, pixels(&told[name]) / pixels(&told["other"][name]));
-            assert_eq!(told["other"]["times"][name], again["other"]["times"][name]);
+            assert_eq!(times, pixels(&answer[name]) / pixels(&answer["other"][name]));
+            assert_eq!(answer["other"]["times"][name], again["other"]["times"][name]);
         }
-        // By equal steps an arch loses h² / 8 of its second derivative's share across the chord: in the limit, exactly.
-        assert!((told["other"]["times"]["even"].as_f64().unwrap() - 4.0).abs() < 0.02);
+        // By equal steps an arch loses h² / 8 of its second derivative's share across the chord: in the
+        // limit, exactly.
+        assert!((answer["other"]["times"]["even"].as_f64().unwrap() - 4.0).abs() < 0.02);
         let point = r#""control": [[1, 1], [1, 1], [1, 1], [1, 1]], "segments": 1, "other": 2"#;
         let rest = r#""pixels_per_unit": 1, "pixels": 1, "t": 0, "near": 1"#;
         let still = study(format!("{{{point}, {rest}}}").as_bytes()).unwrap();
@@ -304,8 +310,8 @@ mod tests {
                 r#""other": 1, "pixels_per_unit": 66.66666666666667, "pixels": 0.5, "t": 0, "near": 1"#;
             study(format!("{{{control}, \"segments\": {segments}, {rest}}}").as_bytes()).unwrap()
         };
-        let told = hairpin(1);
-        let needed = &told["needed"];
+        let answer = hairpin(1);
+        let needed = &answer["needed"];
         let number = |name: &str| needed[name].as_u64().unwrap();
         let (first, from) = (number("even"), number("even_from"));
         let fails = needed["even_fails"]["segments"].as_u64().unwrap();
@@ -314,7 +320,7 @@ mod tests {
         assert!(most(first) <= 0.5 && most(first - 1) > 0.5);
         assert_eq!(needed["even_fails"]["pixels"], hairpin(fails)["even"]["gap"]["pixels"]);
         assert!(needed["even_fails"]["pixels"].as_f64().unwrap() > 0.5);
-        for n in from..=2 * told["formula"]["segments"].as_u64().unwrap() {
+        for n in from..=2 * answer["formula"]["segments"].as_u64().unwrap() {
             assert!(most(n) <= 0.5, "{n}");
         }
         // The curve that is shown first has no such number.
@@ -325,23 +331,23 @@ mod tests {
     #[test]
     fn the_formula_is_never_exceeded_and_reached_where_the_second_derivative_is_across_and_constant() {
         for n in 1..40 {
-            let told = shown(n);
-            let formula = told["formula"]["pixels"].as_f64().unwrap();
-            assert!(told["even"]["gap"]["pixels"].as_f64().unwrap() <= formula, "{n}");
+            let answer = shown(n);
+            let formula = answer["formula"]["pixels"].as_f64().unwrap();
+            assert!(answer["even"]["gap"]["pixels"].as_f64().unwrap() <= formula, "{n}");
         }
         // A parabola over its chord, as a cubic: y'' = −8 everywhere.
         let parabola = r#""control": [[0, 0], [1, 1.3333333333333333], [2, 1.3333333333333333], [3, 0]]"#;
         let rest = r#""segments": 1, "other": 2, "pixels_per_unit": 1, "pixels": 0.0099, "t": 0, "near": 1"#;
-        let told = study(format!("{{{parabola}, {rest}}}").as_bytes()).unwrap();
+        let answer = study(format!("{{{parabola}, {rest}}}").as_bytes()).unwrap();
         for (what, value) in [
-            (&told["formula"]["gap"], 1.0),
-            (&told["even"]["gap"]["distance"], 1.0),
-            (&told["formula"]["bend"], 8.0),
+            (&answer["formula"]["gap"], 1.0),
+            (&answer["even"]["gap"]["distance"], 1.0),
+            (&answer["formula"]["bend"], 8.0),
         ] {
-            assert!((what.as_f64().unwrap() - value).abs() < 1e-12, "{told}");
+            assert!((what.as_f64().unwrap() - value).abs() < 1e-12, "{answer}");
         }
         // 1 / n² ≤ 0.0099.
-        assert_eq!(told["formula"]["segments"], json!(11));
+        assert_eq!(answer["formula"]["segments"], json!(11));
     }
 
     #[test]
@@ -402,7 +408,7 @@ mod tests {
             (r#""segments": 1, "pixels": 1, "t": 0"#, "near"),
             (r#""segments": 1, "other": 0, "pixels": 1, "t": 0, "near": 1"#, "other"),
         ] {
-            let error = asked(rest).unwrap_err();
+            let error = study_arch(rest).unwrap_err();
             assert!(error.contains(part), "{rest}: {error}");
         }
     }

@@ -1,5 +1,10 @@
-//! `Bridge`: a process of the Python package that is a client of a Dask cluster. Each job is a line to it, each end a
-//! line from it.
+//! `Bridge`: a process of the Python package that is a client of a Dask cluster. Jobs and their ends are
+//! lines of JSON.
+//!
+//! ```text
+//! BatchWork --- job: a line on stdin --->  client  ---> scheduler, workers
+//!           <-- end: a line on stdout ---
+//! ```
 use super::job::{BatchJob, JobEnd, JobFault};
 use crate::fault::{Fault, plainly};
 use crate::signal::{self, SharedChild};
@@ -14,34 +19,34 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
-/// How many files are given to the cluster for each of its threads, so that none waits for the next. Defined: one that
-/// is done and one that comes after it.
-const EACH: usize = 2;
+/// The files given to the cluster per thread of a worker. Defined: one in progress and the next, so that no
+/// thread waits.
+const FILES_PER_THREAD: usize = 2;
 
-/// The most files that are given to it at once where nobody says a number. Derived: each has a thread here that waits,
-/// and a disk takes about as many lines of the manifest in a second.
+/// The most files that are given to the cluster at once without `--jobs`. Derived: each has a waiting thread
+/// here, and a disk takes about as many lines of the manifest in a second.
 const MOST_AT_ONCE: usize = 1000;
 
-/// What a cluster is asked for.
+/// The settings of a bridge.
 #[derive(Clone, Debug)]
 pub struct BridgeArgs<'a> {
     /// The words that start the process.
     pub program: &'a [OsString],
     /// The address of the scheduler.
     pub address: &'a str,
-    /// How many files are done at once, where that is said.
+    /// The number of files at once, if given.
     pub jobs: Option<usize>,
-    /// Whether each process is told its share of its worker's memory.
+    /// Whether each process gets a share of its worker's memory as its limit.
     pub shares_memory: bool,
 }
 
-/// The process, and who waits for what it says.
+/// The client process, with the threads that wait for its answers.
 #[derive(Debug)]
 pub struct Bridge {
     jobs: Option<usize>,
     shares_memory: bool,
     cwd: PathBuf,
-    /// None from the end on.
+    /// `None` once the bridge is being dropped.
     stdin: Option<Mutex<ChildStdin>>,
     reader: Option<JoinHandle<()>>,
     state: Arc<BridgeState>,
@@ -57,7 +62,7 @@ struct BridgeState {
 #[derive(Debug, Default)]
 struct WaitingJobs {
     by_number: BTreeMap<u64, Sender<Value>>,
-    /// Why no job has an end any more.
+    /// Why no job will end any more.
     fault: Option<String>,
 }
 
@@ -66,29 +71,27 @@ impl BridgeState {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes what the process says.
-    fn hear(&self, line: &str) {
-        let Ok(said) = serde_json::from_str::<Value>(line) else {
-            // Somebody may wait for what it was to say.
-            return self.end(
-                "the process that is the client of the cluster said what is no line of a batch".to_owned(),
-            );
+    /// Handles a line of the process.
+    fn handle_line(&self, line: &str) {
+        let Ok(message) = serde_json::from_str::<Value>(line) else {
+            // The line may have been the end of a job, whose thread would wait for ever.
+            return self.end("the client of the cluster wrote a line that is not JSON".to_owned());
         };
-        if let Some(slots) = said.get("slots").and_then(Value::as_u64) {
+        if let Some(slots) = message.get("slots").and_then(Value::as_u64) {
             self.slots.store(usize::try_from(slots).unwrap_or(usize::MAX), Ordering::Relaxed);
         }
-        if let Some(fault) = said.get("fault").and_then(Value::as_str) {
+        if let Some(fault) = message.get("fault").and_then(Value::as_str) {
             self.end(fault.to_owned());
         }
-        if let Some(number) = said.get("job").and_then(Value::as_u64)
+        if let Some(number) = message.get("job").and_then(Value::as_u64)
             && let Some(waiter) = self.waiting().by_number.remove(&number)
         {
-            // Who waited may be gone.
-            let _ = waiter.send(said);
+            // The receiver may be gone.
+            let _ = waiter.send(message);
         }
     }
 
-    /// Lets all go who wait. The first reason is the one that is told.
+    /// Ends all waiting jobs with a reason; the first reason stays.
     fn end(&self, fault: String) {
         let mut waiting = self.waiting();
         waiting.fault.get_or_insert(fault);
@@ -100,7 +103,7 @@ impl Bridge {
     /// Starts the process, and waits until it has reached the scheduler.
     ///
     /// # Errors
-    /// When it cannot.
+    /// If the process or its connection fails.
     pub fn start(args: &BridgeArgs) -> Result<Self, Fault> {
         let cwd = std::env::current_dir().map_err(|error| not_started(&error))?;
         let mut words = args.program.iter();
@@ -118,13 +121,14 @@ impl Bridge {
             let state = Arc::clone(&state);
             let stderr = thread::spawn(move || last_line(stderr));
             thread::spawn(move || {
-                hear_all(&state, stdout, &ready);
+                read_lines(&state, stdout, &ready);
                 let last = stderr.join().unwrap_or_default();
                 wait_for(&child);
-                state.end(format!("the process that is the client of the cluster has ended{last}"));
+                state.end(format!("the client of the cluster has ended{last}"));
             })
         };
-        // The first line says how many threads there are, or that nobody answers; an error, that there is none.
+        // The first line has the number of threads or a fault. An error here means that the process has
+        // ended.
         let _ = is_ready.recv();
         let stdin = stdin.map(Mutex::new);
         let bridge = Self {
@@ -144,15 +148,15 @@ impl Bridge {
         self.state.slots.load(Ordering::Relaxed)
     }
 
-    /// How many files it is given at once.
+    /// The number of files given to the cluster at once.
     pub fn at_once(&self) -> usize {
-        self.jobs.unwrap_or_else(|| self.slots().saturating_mul(EACH).clamp(1, MOST_AT_ONCE))
+        self.jobs.unwrap_or_else(|| self.slots().saturating_mul(FILES_PER_THREAD).clamp(1, MOST_AT_ONCE))
     }
 
-    /// Has one file done, and waits for its end.
+    /// Runs one job, and waits for its end.
     ///
     /// # Errors
-    /// When the cluster can do no file of this batch.
+    /// If the cluster cannot run jobs of this batch.
     pub fn run(&self, job: &BatchJob) -> Result<JobEnd, JobFault> {
         let (sender, receiver) = channel();
         {
@@ -165,11 +169,11 @@ impl Bridge {
         let line = self.line(job);
         if let Some(stdin) = &self.stdin {
             let mut stdin = stdin.lock().unwrap_or_else(PoisonError::into_inner);
-            // Where the process is gone, whoever reads says so.
+            // If the process has ended, the reader thread reports it.
             let _ = stdin.write_all(line.as_bytes());
         }
         match receiver.recv() {
-            Ok(said) => Ok(end_of(&said, job)),
+            Ok(message) => Ok(end_of(&message, job)),
             Err(_) => {
                 let sentence = self.state.waiting().fault.clone();
                 Err(JobFault::Batch(cluster_fault(sentence.unwrap_or_default())))
@@ -200,7 +204,7 @@ impl Bridge {
 }
 
 impl Drop for Bridge {
-    /// The process ends when its stdin does, and lets go of what runs.
+    /// Closing its stdin ends the process, which cancels running jobs.
     fn drop(&mut self) {
         self.stdin = None;
         if let Some(reader) = self.reader.take() {
@@ -209,23 +213,23 @@ impl Drop for Bridge {
     }
 }
 
-/// Takes all lines, and says when the first was there or there is none.
-fn hear_all(state: &BridgeState, stdout: Option<ChildStdout>, ready: &Sender<()>) {
+/// Handles all lines. Signals `ready` at each; dropping `ready` tells that there are no more.
+fn read_lines(state: &BridgeState, stdout: Option<ChildStdout>, ready: &Sender<()>) {
     let lines = stdout.into_iter().flat_map(|stdout| BufReader::new(stdout).lines());
     for line in lines.map_while(Result::ok) {
-        state.hear(&line);
+        state.handle_line(&line);
         let _ = ready.send(());
     }
 }
 
-/// Takes the end of a process that is over. While a signal ends the command this does not return, so that nobody tells of
-/// a process that was ended with it.
+/// Waits for the end of the process. While the signal handler ends the command this blocks, so that the
+/// killed process is not reported as an error.
 fn wait_for(child: &SharedChild) {
     let _ = child.lock().unwrap_or_else(PoisonError::into_inner).wait();
     signal::forget_child(child);
 }
 
-/// What a process said last, as the end of a sentence.
+/// The last line of a process's stderr, as the end of a sentence.
 fn last_line(stderr: Option<impl Read>) -> String {
     let lines = stderr.into_iter().flat_map(|stderr| BufReader::new(stderr).lines().map_while(Result::ok));
     lines
@@ -234,25 +238,26 @@ fn last_line(stderr: Option<impl Read>) -> String {
         .map_or_else(String::new, |line| format!(": {}", line.trim()))
 }
 
-/// A name as text, or as its bytes where it is no Unicode.
+/// A name as text, or as bytes if it is not Unicode.
 fn name_value(name: &OsStr) -> Value {
     name.to_str().map_or_else(|| json!(name.as_encoded_bytes()), |text| json!(text))
 }
 
-/// What is said of a job that is over.
-fn end_of(said: &Value, job: &BatchJob) -> JobEnd {
-    let text = |key: &str| said.get(key).and_then(Value::as_str);
+/// The end of a job from its message.
+fn end_of(message: &Value, job: &BatchJob) -> JobEnd {
+    let text = |key: &str| message.get(key).and_then(Value::as_str);
     let mut end = JobEnd {
         // Without a folder there is no output.
-        made: text("folder").map_or_else(PathBuf::new, |folder| job.work_folder.join(folder).join(&job.name)),
-        exit: said.get("exit").and_then(Value::as_i64).and_then(|exit| i32::try_from(exit).ok()),
+        output: text("folder")
+            .map_or_else(PathBuf::new, |folder| job.work_folder.join(folder).join(&job.name)),
+        exit: message.get("exit").and_then(Value::as_i64).and_then(|exit| i32::try_from(exit).ok()),
         why: text("why").map(str::to_owned),
         code: text("code").map(str::to_owned),
         stdout: text("stdout").unwrap_or_default().into(),
         stderr: text("stderr").unwrap_or_default().into(),
-        seconds: said.get("seconds").and_then(Value::as_f64),
+        seconds: message.get("seconds").and_then(Value::as_f64),
     };
-    if said.get("timed_out").is_some() {
+    if message.get("timed_out").is_some() {
         end.timed_out(job.timeout);
     }
     end
@@ -271,7 +276,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// A shell in place of Python.
+    /// A bridge to a shell script in place of Python.
     fn start(script: &str, jobs: Option<usize>) -> Result<Bridge, Fault> {
         let program = ["sh", "-c", script].map(OsString::from);
         Bridge::start(&BridgeArgs { program: &program, address: "tcp://a:1", jobs, shares_memory: true })
@@ -305,26 +310,26 @@ mod tests {
         let bridge = start(script, None).unwrap();
         assert_eq!((bridge.slots(), bridge.at_once()), (3, 6));
         let ends: Vec<JobEnd> = thread::scope(|scope| {
-            let both = [0, 1].map(|number| {
+            let threads = [0, 1].map(|number| {
                 scope.spawn({
                     let bridge = &bridge;
                     move || bridge.run(&job(number))
                 })
             });
-            both.map(|one| one.join().unwrap().unwrap()).into()
+            threads.map(|thread| thread.join().unwrap().unwrap()).into()
         });
         assert_eq!((ends[0].exit, ends[0].why.as_deref()), (None, Some("killed")));
-        assert_eq!((ends[0].code.as_deref(), &ends[0].made), (Some("killed-worker"), &PathBuf::new()));
+        assert_eq!((ends[0].code.as_deref(), &ends[0].output), (Some("killed-worker"), &PathBuf::new()));
         assert_eq!((ends[1].exit, ends[1].seconds), (Some(0), Some(2.5)));
-        assert_eq!(ends[1].made, Path::new("work/1.x/out.glb"));
+        assert_eq!(ends[1].output, Path::new("work/1.x/out.glb"));
         assert_eq!(bridge.at_once(), 10);
     }
 
     #[test]
     fn whoever_waits_is_told_why_there_is_no_end() {
-        let told = |script: &str| sentence(start(script, Some(7)).unwrap().run(&job(0)).unwrap_err());
-        assert_eq!(told(r#"echo '{"slots":1}'; read a; echo '{"fault":"gone"}'; read b"#), "gone");
-        let ended = told(r#"echo '{"slots":1}'; read a; echo 'out of ink' >&2"#);
+        let fault_of = |script: &str| sentence(start(script, Some(7)).unwrap().run(&job(0)).unwrap_err());
+        assert_eq!(fault_of(r#"echo '{"slots":1}'; read a; echo '{"fault":"gone"}'; read b"#), "gone");
+        let ended = fault_of(r#"echo '{"slots":1}'; read a; echo 'out of ink' >&2"#);
         assert!(ended.ends_with("has ended: out of ink"), "{ended}");
         let refused = start(r#"echo '{"fault":"a: nobody answers"}'; read a"#, None).unwrap_err();
         assert_eq!((refused.code, refused.lines), ("cluster", vec!["a: nobody answers".to_owned()]));

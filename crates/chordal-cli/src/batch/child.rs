@@ -1,4 +1,4 @@
-//! One run of a verb in a process of its own, so that nothing that happens to it happens to the others.
+//! Runs a verb in its own process, so that a crash does not affect other files.
 use super::job::JobEnd;
 use crate::signal;
 use std::io::{self, Read};
@@ -8,10 +8,10 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Runs a command to its end, or for so long at most.
+/// Runs a command to its end, or until the timeout.
 ///
 /// # Errors
-/// When it cannot be started.
+/// If it cannot be started.
 pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<JobEnd> {
     let started = Instant::now();
     let child =
@@ -25,8 +25,8 @@ pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<JobEn
         let other = sender.clone();
         let stdout = scope.spawn(move || drain(stdout, &sender));
         let stderr = scope.spawn(move || drain(stderr, &other));
-        // Both are closed once the process is over: until then nobody holds its lock, so that a signal can
-        // end it.
+        // Both streams close when the process ends. Waiting for them instead of for the process leaves its
+        // lock free, so that the signal handler can end it.
         for _ in 0..2 {
             let left = timeout.map(|timeout| timeout.saturating_sub(started.elapsed()));
             let waited = match left {
@@ -34,7 +34,7 @@ pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<JobEn
                 None => receiver.recv().map_err(RecvTimeoutError::from),
             };
             if waited == Err(RecvTimeoutError::Timeout) {
-                // It may have ended by itself in this moment.
+                // Fails harmlessly if the process has just ended by itself.
                 let _ = lock().kill();
                 end.timed_out(timeout);
                 break;
@@ -53,11 +53,11 @@ pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<JobEn
     Ok(end)
 }
 
-/// Reads to the end, and says so.
+/// Reads to the end, and signals it.
 fn drain(source: Option<impl Read>, sender: &Sender<()>) -> Vec<u8> {
     let mut bytes = Vec::new();
     if let Some(mut source) = source {
-        // What was read before an error is all that there is.
+        // After an error the bytes read so far are kept.
         let _ = source.read_to_end(&mut bytes);
     }
     let _ = sender.send(());

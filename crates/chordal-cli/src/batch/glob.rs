@@ -1,22 +1,22 @@
 //! Wildcards in names: `*` is any number of characters, `?` is one.
 
-/// Whether a text holds a wildcard.
+/// Whether a text contains a wildcard.
 pub fn has_wildcard(text: &str) -> bool {
     text.contains(['*', '?'])
 }
 
-/// Whether a name matches a pattern as a whole. A name that starts with a dot matches only a pattern that
-/// does, as in shells.
+/// Whether a whole name matches a pattern. A name with a leading dot matches only a pattern with one, as in
+/// shells.
 ///
-/// Takes at most the product of both lengths: after a mismatch only the last `*` takes one character more,
-/// since whatever an earlier one could take, the later one can.
+/// The time is at most the product of both lengths: after a mismatch only the last `*` has to take one more
+/// character, since it can take anything that an earlier one could.
 pub fn matches(pattern: &str, name: &str) -> bool {
     if name.starts_with('.') && !pattern.starts_with('.') {
         return false;
     }
     let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
     let (mut p, mut n) = (0, 0);
-    // The last star, and where the name stood when it was met.
+    // The index of the last star, and the index in the name up to which it matches.
     let mut star: Option<(usize, usize)> = None;
     while n < name.len() {
         match pattern.get(p) {
@@ -29,10 +29,10 @@ pub fn matches(pattern: &str, name: &str) -> bool {
                 n += 1;
             }
             _ => {
-                let Some((at, from)) = star else { return false };
-                star = Some((at, from + 1));
-                p = at + 1;
-                n = from + 1;
+                let Some((star_idx, name_idx)) = star else { return false };
+                star = Some((star_idx, name_idx + 1));
+                p = star_idx + 1;
+                n = name_idx + 1;
             }
         }
     }
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn many_stars_take_no_more_than_the_product_of_both_lengths() {
-        // With a search over all stars this would not end.
+        // With backtracking over all stars this would not end.
         assert!(!matches(&"a*".repeat(60), &"a".repeat(59)));
         assert!(!matches(&format!("{}b", "*a".repeat(60)), &"a".repeat(400)));
     }

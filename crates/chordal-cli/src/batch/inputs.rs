@@ -1,4 +1,4 @@
-//! The files of a batch: patterns and folders, expanded, each with its place below the output folder.
+//! The files of a batch: patterns and folders, expanded, each with its path below the output folder.
 use super::glob::{has_wildcard, matches};
 use crate::fault::{Fault, plainly};
 use chordal_io::Format;
@@ -12,32 +12,32 @@ use std::path::{Component, Path, PathBuf};
 /// One input file.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BatchFile {
-    /// Its place below the output folder, of plain names alone.
+    /// The path below the output folder, without `.` and `..`.
     pub relative: PathBuf,
-    /// Where it is.
+    /// The path of the file.
     pub path: PathBuf,
 }
 
-/// The files, in the order of their places.
+/// The files, ordered by their relative paths.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BatchInputs {
-    /// Each once.
+    /// The files, each once.
     pub files: BTreeSet<BatchFile>,
-    /// Files in folders that were named as a whole whose extension is of no known format.
+    /// The number of files in given folders that were skipped because of an unknown extension.
     pub left_out: u64,
 }
 
 impl BatchInputs {
-    /// Expands what the command line names: files, folders, and patterns whose parts hold `*` and `?`, or are
-    /// `**` for any folders. Nothing below `output` is an input, and wildcards do not go through links to
-    /// folders. A file's place is its name as given or found; below `base` where there is one; and below the
-    /// part without wildcards where the name is absolute or climbs.
+    /// Expands files, folders, and patterns whose parts contain `*` and `?`, or are `**` for any folders.
+    /// Nothing below `output` is an input, and wildcards do not follow links to folders. The relative path of
+    /// a file is its path as given or found; with `base` relative to it; without `base`, if the path is
+    /// absolute or contains `..`, relative to its part before the first wildcard.
     ///
     /// # Errors
-    /// When a name leads to no file, a folder cannot be read, or a file is not below `base`.
+    /// If nothing matches, a folder cannot be read, or a file is not below `base`.
     pub fn expand(inputs: &[PathBuf], base: Option<&Path>, output: &Path) -> Result<Self, Fault> {
         let mut walk = FolderWalk { output: output.canonicalize().ok(), ..FolderWalk::default() };
-        let mut all = Self::default();
+        let mut batch = Self::default();
         for input in inputs {
             walk.found.clear();
             let start = walk.expand_one(input)?;
@@ -46,17 +46,17 @@ impl BatchInputs {
                 return Err(Fault::input("no-input", message));
             }
             for path in std::mem::take(&mut walk.found) {
-                let relative = place(&path, &start, base)?;
-                all.files.insert(BatchFile { relative, path });
+                let relative = relative_path(&path, &start, base)?;
+                batch.files.insert(BatchFile { relative, path });
             }
         }
-        all.left_out = walk.left_out;
-        Ok(all)
+        batch.left_out = walk.left_out;
+        Ok(batch)
     }
 }
 
-/// Where a file's output stands below the output folder.
-fn place(path: &Path, start: &Path, base: Option<&Path>) -> Result<PathBuf, Fault> {
+/// The path of a file's output below the output folder.
+fn relative_path(path: &Path, start: &Path, base: Option<&Path>) -> Result<PathBuf, Fault> {
     let path = plain(path);
     let below = match base {
         Some(base) => path.strip_prefix(plain(base)).map_err(|_| {
@@ -68,15 +68,15 @@ fn place(path: &Path, start: &Path, base: Option<&Path>) -> Result<PathBuf, Faul
     if below.components().all(|part| matches!(part, Component::Normal(_))) {
         return Ok(below.to_owned());
     }
-    Err(Fault::usage(format!("{}: the name climbs out of its folder: --base names one", path.display())))
+    Err(Fault::usage(format!("{}: the path leads out of its folder with ..: set --base", path.display())))
 }
 
-/// Without `.` in it.
+/// A path without `.`.
 fn plain(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
-/// What is found below folders.
+/// The state of a search through folders.
 #[derive(Debug, Default)]
 struct FolderWalk {
     /// The output folder, which is not entered.
@@ -113,7 +113,7 @@ impl FolderWalk {
         let Some((part, rest)) = parts.split_first() else { return Ok(()) };
         let Some(pattern) = part.to_str().filter(|text| has_wildcard(text)) else {
             let path = folder.join(part);
-            // What is not there does not match.
+            // A path that does not exist does not match.
             if rest.is_empty() && fs::metadata(&path).is_ok_and(|found| !found.is_dir()) {
                 self.found.insert(path);
             } else if !rest.is_empty() && path.is_dir() {
@@ -148,7 +148,7 @@ impl FolderWalk {
         Ok(())
     }
 
-    /// All files below a folder whose extension is that of a format.
+    /// Finds all files below a folder with the extension of a known format.
     fn known_files(&mut self, folder: &Path) -> Result<(), Fault> {
         for (name, path, kind) in entries(folder)? {
             let text = name.to_string_lossy();
@@ -170,19 +170,19 @@ impl FolderWalk {
     }
 }
 
-/// Whether a file by this name is a shape of its own, which a slice is not.
+/// Whether a file with this extension is a shape. A DICOM slice is only a part of one.
 fn is_known(name: &str) -> bool {
     let format = extension(name).and_then(Format::from_packed_extension);
     format.is_some_and(|format| format != Format::Dicom)
 }
 
-/// What stands in a folder.
+/// The kind of an entry of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum EntryKind {
     Folder,
-    /// It may lead to a folder around it, so that nothing that searches goes through it.
+    /// Never followed by a search, since it may lead to an ancestor.
     LinkToFolder,
-    /// A file, a link to one, or a link to nothing, which fails when it is its turn.
+    /// A file, a link to one, or a dangling link, which fails when it is read.
     File,
 }
 
@@ -190,9 +190,9 @@ enum EntryKind {
 fn entries(folder: &Path) -> Result<Vec<(OsString, PathBuf, EntryKind)>, Fault> {
     let is_here = folder.as_os_str().is_empty();
     let failed = |error: io::Error| unreadable(folder, &error);
-    let mut all = Vec::new();
+    let mut entries = Vec::new();
     match fs::read_dir(if is_here { Path::new(".") } else { folder }) {
-        // The part of a pattern before its first wildcard is no folder: nothing matches.
+        // The part before the first wildcard is no folder, so nothing matches.
         Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {}
         Err(error) => return Err(failed(error)),
         Ok(list) => {
@@ -205,12 +205,12 @@ fn entries(folder: &Path) -> Result<Vec<(OsString, PathBuf, EntryKind)>, Fault> 
                     (_, true) if path.is_dir() => EntryKind::LinkToFolder,
                     _ => EntryKind::File,
                 };
-                all.push((name, path, kind));
+                entries.push((name, path, kind));
             }
         }
     }
-    all.sort_by(|a, b| a.0.cmp(&b.0));
-    Ok(all)
+    entries.sort_by(|a, b| a.0.cmp(&b.0));
+    Ok(entries)
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> Fault {
@@ -222,10 +222,10 @@ mod tests {
     use super::*;
     use chordal_testkit::Folder;
 
-    fn found(folder: &Folder, patterns: &[&str]) -> Vec<String> {
+    fn expanded(folder: &Folder, patterns: &[&str]) -> Vec<String> {
         let patterns: Vec<PathBuf> = patterns.iter().map(|pattern| folder.path(pattern)).collect();
-        let all = BatchInputs::expand(&patterns, Some(folder.as_ref()), &folder.path("out")).unwrap();
-        all.files.iter().map(|file| file.relative.display().to_string()).collect()
+        let inputs = BatchInputs::expand(&patterns, Some(folder.as_ref()), &folder.path("out")).unwrap();
+        inputs.files.iter().map(|file| file.relative.display().to_string()).collect()
     }
 
     #[test]
@@ -239,11 +239,11 @@ mod tests {
         {
             fs::write(folder.path(name), "").unwrap();
         }
-        assert_eq!(found(&folder, &["**/*.obj"]), ["a/[1].obj", "a/b/c/z.obj", "a/y.obj", "x.obj"]);
-        assert_eq!(found(&folder, &["*.obj", "x.obj", "./x.obj"]), ["x.obj"]);
-        assert_eq!(found(&folder, &["a/**/z.obj", "?/?.obj"]), ["a/b/c/z.obj", "a/y.obj"]);
-        assert_eq!(found(&folder, &["a/b/**"]), ["a/b/c/z.obj", "a/b/n.txt"]);
-        assert_eq!(found(&folder, &["a"]), ["a/[1].obj", "a/b/c/z.obj", "a/y.obj"]);
+        assert_eq!(expanded(&folder, &["**/*.obj"]), ["a/[1].obj", "a/b/c/z.obj", "a/y.obj", "x.obj"]);
+        assert_eq!(expanded(&folder, &["*.obj", "x.obj", "./x.obj"]), ["x.obj"]);
+        assert_eq!(expanded(&folder, &["a/**/z.obj", "?/?.obj"]), ["a/b/c/z.obj", "a/y.obj"]);
+        assert_eq!(expanded(&folder, &["a/b/**"]), ["a/b/c/z.obj", "a/b/n.txt"]);
+        assert_eq!(expanded(&folder, &["a"]), ["a/[1].obj", "a/b/c/z.obj", "a/y.obj"]);
         let none = BatchInputs::expand(&[folder.path("*.ply")], None, &folder.path("out")).unwrap_err();
         assert_eq!(none.code, "no-input");
     }
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn places_are_names_as_given_or_below_the_part_without_wildcards() {
         let at = |path: &str, start: &str, base: Option<&str>| {
-            place(Path::new(path), Path::new(start), base.map(Path::new)).ok()
+            relative_path(Path::new(path), Path::new(start), base.map(Path::new)).ok()
         };
         let some = |text: &str| Some(PathBuf::from(text));
         assert_eq!(at("./a/b.obj", "a", None), some("a/b.obj"));
@@ -271,7 +271,7 @@ mod tests {
         std::os::unix::fs::symlink(folder.path("a"), folder.path("a/b/loop")).unwrap();
         std::os::unix::fs::symlink(folder.path("a/b/x.obj"), folder.path("a/link.obj")).unwrap();
         for pattern in ["a", "**/*.obj", "a/**"] {
-            assert_eq!(found(&folder, &[pattern]), ["a/b/x.obj", "a/link.obj"], "{pattern}");
+            assert_eq!(expanded(&folder, &[pattern]), ["a/b/x.obj", "a/link.obj"], "{pattern}");
         }
     }
 }

@@ -1,10 +1,11 @@
-//! `BatchJob`: what the process of one file is given, wherever it runs, and what comes of it.
+//! `BatchJob` and `JobEnd`: the input and the outcome of the process for one file, on this machine or on a
+//! cluster.
 use crate::fault::Fault;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// One file to do.
+/// The job for one file.
 #[derive(Clone, Debug)]
 pub struct BatchJob<'a> {
     /// Its number in the batch.
@@ -17,30 +18,30 @@ pub struct BatchJob<'a> {
     pub is_report: bool,
     /// The words before those of the output: the verb and its input.
     pub head: Vec<OsString>,
-    /// The words behind those: the options.
+    /// The words after those of the output: the options.
     pub tail: Vec<OsString>,
-    /// Where the processes of the batch write.
+    /// The folder that the processes of the batch write to.
     pub work_folder: &'a Path,
-    /// How long it may take.
+    /// The time limit.
     pub timeout: Option<Duration>,
 }
 
-/// What came of it.
+/// The outcome of a job.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JobEnd {
-    /// Where the output is, if there is one.
-    pub made: PathBuf,
-    /// The exit code of the process; none where it was ended from outside.
+    /// The path of the output, if there is one.
+    pub output: PathBuf,
+    /// The exit code of the process; `None` if it was killed.
     pub exit: Option<i32>,
-    /// Why there is none, in a sentence, and for programs where there is a word for it.
+    /// Why there is no exit code, as a sentence.
     pub why: Option<String>,
-    /// The same for programs.
+    /// The same as a code for programs, if there is one.
     pub code: Option<String>,
-    /// What went to stdout.
+    /// The bytes written to stdout.
     pub stdout: Vec<u8>,
-    /// What went to stderr.
+    /// The bytes written to stderr.
     pub stderr: Vec<u8>,
-    /// How long it took, where it did not begin when it was given.
+    /// The duration on a cluster, without the time that the job waited for a worker.
     pub seconds: Option<f64>,
 }
 
@@ -52,16 +53,16 @@ impl JobEnd {
     }
 }
 
-/// Why nothing came of it.
+/// Why a job could not run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum JobFault {
-    /// This file cannot be done.
+    /// This job failed.
     File(Fault),
-    /// No file can be done any more.
+    /// No job of the batch can run any more.
     Batch(Fault),
 }
 
-/// The words that say where the output goes.
+/// The words for the output.
 pub fn output_words(is_report: bool, output: &Path) -> Vec<OsString> {
     if is_report { Vec::new() } else { vec!["-o".into(), output.into()] }
 }

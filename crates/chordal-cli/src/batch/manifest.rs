@@ -1,4 +1,4 @@
-//! `manifest.jsonl`: one line for each file that a batch did, in the order in which they ended.
+//! `manifest.jsonl`: one line for each processed file of a batch, in the order of completion.
 use crate::fault::{Fault, plainly};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,34 +9,34 @@ use std::path::{Path, PathBuf};
 /// The name of the file in the output folder.
 pub const MANIFEST: &str = "manifest.jsonl";
 
-/// What a batch did with one file.
+/// The record of one file of a batch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ManifestEntry {
-    /// The place of the input.
+    /// The relative path of the input.
     pub input: String,
-    /// The SHA-256 of its bytes; none where it could not be read.
+    /// The SHA-256 of the input; `None` if it could not be read.
     pub input_sha256: Option<String>,
-    /// The version that did it.
+    /// The version of the program.
     pub version: String,
     /// The verb and its options.
     pub words: Vec<String>,
-    /// The place of the output below the folder.
+    /// The path of the output below the output folder.
     pub output: String,
-    /// The SHA-256 of its bytes; none where there is none.
+    /// The SHA-256 of the output; `None` without an output.
     pub output_sha256: Option<String>,
-    /// The exit code; none where the process was ended from outside.
+    /// The exit code; `None` if the process was killed.
     pub exit: Option<i32>,
-    /// How long it took.
+    /// The duration.
     pub seconds: f64,
-    /// The most that was lost, where that is known.
+    /// The upper bound of the error, if it is known.
     pub bound: Option<f64>,
-    /// The triangles of the input, where it has some.
+    /// The triangles of the input, if it has any.
     pub triangles_in: Option<u64>,
-    /// The triangles of the output, where it has some.
+    /// The triangles of the output, if it has any.
     pub triangles_out: Option<u64>,
-    /// The stable code of the error, where there is one.
+    /// The stable code of the error, if there is one.
     pub code: Option<String>,
-    /// What went wrong, in a sentence.
+    /// The error, as a sentence.
     pub error: Option<String>,
 }
 
@@ -84,24 +84,24 @@ impl ManifestEntry {
     }
 }
 
-/// What stands in a manifest: the last entry of each input.
+/// The content of a manifest: the last entry of each input.
 #[derive(Debug, Default)]
 pub struct ManifestEntries {
-    /// By input.
+    /// The entries by input.
     pub by_input: BTreeMap<String, ManifestEntry>,
     /// All outputs that were ever written.
     pub outputs: BTreeSet<String>,
-    /// Lines that are no entries, but for the last one, which a kill may tear.
+    /// The number of invalid lines, without an incomplete last one, as a kill leaves it.
     pub n_wrong: u64,
-    /// Bytes up to the end of the last whole line.
+    /// The number of bytes up to the end of the last complete line.
     whole_bytes: u64,
 }
 
 impl ManifestEntries {
-    /// Reads a manifest; there is nothing in one that does not exist.
+    /// Reads a manifest; a missing one is empty.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// If it cannot be read.
     pub fn read(folder: &Path) -> Result<Self, Fault> {
         let path = folder.join(MANIFEST);
         let mut bytes = Vec::new();
@@ -117,19 +117,19 @@ impl ManifestEntries {
 
     fn from_bytes(bytes: &[u8]) -> Self {
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
-        let mut all = Self { whole_bytes: whole as u64, ..Self::default() };
+        let mut entries = Self { whole_bytes: whole as u64, ..Self::default() };
         for line in bytes[..whole].split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
             match std::str::from_utf8(line).ok().and_then(ManifestEntry::from_line) {
                 Some(entry) => {
                     if entry.output_sha256.is_some() {
-                        all.outputs.insert(entry.output.clone());
+                        entries.outputs.insert(entry.output.clone());
                     }
-                    all.by_input.insert(entry.input.clone(), entry);
+                    entries.by_input.insert(entry.input.clone(), entry);
                 }
-                None => all.n_wrong += 1,
+                None => entries.n_wrong += 1,
             }
         }
-        all
+        entries
     }
 }
 
@@ -141,10 +141,10 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Opens the manifest of a folder behind its last whole line; a torn line after it is cut off.
+    /// Opens the manifest of a folder for appending; an incomplete last line is cut off.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn open(folder: &Path, entries: &ManifestEntries) -> Result<Self, Fault> {
         let path = folder.join(MANIFEST);
         let open = || -> io::Result<File> {
@@ -157,10 +157,10 @@ impl Manifest {
         Ok(Self { path, file })
     }
 
-    /// Appends a line, and sees to it that it is on the disk.
+    /// Appends a line and syncs it to disk.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn append(&mut self, entry: &ManifestEntry) -> Result<(), Fault> {
         let line = entry.to_line() + "\n";
         let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
@@ -199,7 +199,7 @@ mod tests {
         let path = folder.path(MANIFEST);
         let whole = std::fs::read(&path).unwrap();
         assert_eq!(whole.iter().filter(|byte| **byte == b'\n').count(), 3);
-        // However much of a line a kill leaves, the lines before stay as they are.
+        // Whatever part of a line a kill leaves, the lines before it are unchanged.
         for torn in [&whole[..7], b"{", b"\xff"] {
             std::fs::write(&path, [&whole, torn].concat()).unwrap();
             let read = ManifestEntries::read(folder.as_ref()).unwrap();

@@ -1,4 +1,4 @@
-//! `chordal batch`: one verb over many files, each in a process of its own.
+//! `chordal batch`: one verb over many files, each in its own process.
 mod bridge;
 mod child;
 mod glob;
@@ -39,13 +39,13 @@ use work::{BatchWork, child_words};
 /// `chordal batch`
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Options of the verb stand after '--', those of the batch before. Patterns: '*' is any part of a name, '?' one character,
-'**' any folders; quote them, or let the shell expand them. A folder stands for all files below it whose extension is
-known. Outputs have the inputs' places below DIR.
+Options of the verb come after '--', those of the batch before it. Patterns: '*' is any part of a name, '?' one
+character, '**' any folders; quote them, or let the shell expand them. A folder stands for all files below it with a
+known extension. Outputs have the relative paths of the inputs below DIR.
 
-DIR/manifest.jsonl has one line for each file: hashes, words, exit code, bound, error. A file that was done with the same
-bytes and words is skipped, so that a batch that was stopped goes on where it was. Exit code 1 says that some files did
-not go well; the others are done.
+DIR/manifest.jsonl has one line for each file: hashes, words, exit code, bound, error. A file that was processed before
+with the same bytes and words is skipped, so a stopped batch continues where it was. Exit code 1 means that some files
+failed; the others are done.
 
 Examples:
   chordal batch lod 'assets/**/*.glb' -o out -- --px 1
@@ -53,7 +53,7 @@ Examples:
   chordal batch convert scans/*.ply -o printed --to 3mf -- --unit mm
   chordal batch inspect models -o reports -- --require solid")]
 pub struct BatchArgs {
-    /// What to do with each file
+    /// The verb to run on each file
     #[arg(value_name = "VERB")]
     pub verb: BatchVerb,
 
@@ -81,7 +81,7 @@ pub struct BatchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub jobs: Option<u64>,
 
-    /// Maximum seconds for one file
+    /// Maximum time for one file, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub timeout: Option<Duration>,
 
@@ -94,15 +94,15 @@ pub struct BatchArgs {
     #[arg(long, value_name = "ADDRESS")]
     pub dask: Option<String>,
 
-    /// Print what would be done, and do nothing
+    /// List the files and outputs, without running anything
     #[arg(long)]
     pub dry_run: bool,
 
-    /// Run files again that are done already
+    /// Process files again that are done already
     #[arg(long)]
     pub redo: bool,
 
-    /// Overwrite files that have the name of an output but that no batch wrote
+    /// Overwrite outputs that were not written by a batch
     #[arg(long)]
     pub force: bool,
 
@@ -115,24 +115,24 @@ pub struct BatchArgs {
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
-    let wrong = || "a number of seconds is above 0, as in 60 or 0.5".to_owned();
+    let wrong = || "expected a number of seconds above 0, like 60 or 0.5".to_owned();
     let seconds: f64 = text.parse().map_err(|_| wrong())?;
     if seconds > 0.0 { Duration::try_from_secs_f64(seconds).map_err(|_| wrong()) } else { Err(wrong()) }
 }
 
-/// What the command that a batch is part of does for it.
+/// The services of the command that contains a batch.
 #[derive(Clone, Copy)]
 pub struct BatchCommand<'a> {
-    /// How it is started again.
+    /// How to start the command again.
     pub program: &'a Program,
-    /// Refuses words that make no sense to it.
+    /// Refuses an invalid command line.
     pub check: &'a dyn Fn(Vec<OsString>) -> Result<(), Fault>,
 }
 
-/// Where the outputs stand and what is known of them.
+/// The folder for locks and temporary files, below the output folder.
 const WORK: &str = ".chordal-batch";
 
-/// Finds the files, does them, and says what it came to.
+/// Finds the files, processes them, and prints the counts.
 pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
     let started = Instant::now();
     let console = Console::new(&args.console);
@@ -143,19 +143,18 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
     let inputs = BatchInputs::expand(&args.inputs, args.base.as_deref(), &args.output)?;
     if inputs.left_out > 0 {
         let n = inputs.left_out;
-        console
-            .warn("folders", &[format!("files whose extension is of no known format were left out ({n}x)")]);
+        console.warn("folders", &[format!("files with an unknown extension were skipped ({n}x)")]);
     }
     let items = plan(inputs, args.verb, &naming)?;
     args.check_words(&items, command)?;
     let bridge = args.bridge_words(command.program)?;
     let cancel = Arc::new(AtomicBool::new(false));
-    let lock = if args.dry_run { None } else { Some(BatchLock::take(&args.output)?) };
+    let lock = if args.dry_run { None } else { Some(BatchLock::acquire(&args.output)?) };
     signal::install(Arc::clone(&cancel));
     let entries = ManifestEntries::read(&args.output)?;
     if entries.n_wrong > 0 {
         let n = entries.n_wrong;
-        console.warn(MANIFEST, &[format!("lines that are no entries were left where they are ({n}x)")]);
+        console.warn(MANIFEST, &[format!("invalid lines were ignored ({n}x)")]);
     }
     let (runner, share) = args.runner(items.len(), command.program, bridge, &console)?;
     let work = BatchWork {
@@ -182,27 +181,27 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
     let seconds = started.elapsed().as_secs_f64();
     let text = tally.text(&args.output.display().to_string(), seconds);
     console.result(&tally.to_value(&path, seconds), &text, StdoutUse::Free)?;
-    if tally.not_well() == 0 {
+    if tally.not_met() == 0 {
         return Ok(());
     }
-    let message = format!("{} of {} files did not go well: {path} says why", tally.not_well(), tally.files);
+    let message = format!("{} of {} files failed: the reasons are in {path}", tally.not_met(), tally.files);
     Err(Fault { reported: true, ..Fault::new(Exit::CheckFailed, "some-failed", message) })
 }
 
 impl BatchArgs {
-    /// The words that start the client of the cluster, where there is one.
+    /// The words that start the client of the cluster, if `--dask` is given.
     fn bridge_words<'a>(&self, program: &'a Program) -> Result<Option<&'a [OsString]>, Fault> {
         match (&self.dask, &program.bridge) {
             (None, _) => Ok(None),
             (Some(_), Some(words)) => Ok(Some(words)),
             (Some(_), None) => Err(Fault::usage(
-                "--dask: this program has no Python: 'pip install chordal distributed', and 'python -m chordal batch' in \
-                 place of 'chordal batch'",
+                "--dask needs the Python package: 'pip install chordal distributed', then 'python -m chordal batch' \
+                instead of 'chordal batch'",
             )),
         }
     }
 
-    /// Who does so many files, and the options for the share of threads and memory of each.
+    /// The runner for a number of files, and the options for each process's share of threads and memory.
     fn runner<'a>(
         &self,
         n_files: usize,
@@ -210,48 +209,49 @@ impl BatchArgs {
         bridge: Option<&[OsString]>,
         console: &Console,
     ) -> Result<(BatchRunner<'a>, Vec<String>), Fault> {
-        let said = self.jobs.map(|jobs| usize::try_from(jobs).unwrap_or(usize::MAX));
+        let given = self.jobs.map(|jobs| usize::try_from(jobs).unwrap_or(usize::MAX));
         let (Some(words), Some(address)) = (bridge, &self.dask) else {
-            let jobs = said.unwrap_or_else(cores).min(n_files).max(1);
-            let memory = self.max_memory.or_else(memory::default_limit).map(|all| all / jobs as u64);
+            let jobs = given.unwrap_or_else(cores).min(n_files).max(1);
+            let memory = self.max_memory.or_else(memory::default_limit).map(|bytes| bytes / jobs as u64);
             return Ok((
                 BatchRunner::Here { program: &program.words, jobs },
                 self.share(cores() / jobs, memory),
             ));
         };
-        let shares_memory = self.max_memory.is_none() && !self.says("--max-memory");
-        let bridge = Bridge::start(&BridgeArgs { program: words, address, jobs: said, shares_memory })?;
+        let shares_memory = self.max_memory.is_none() && !self.has_option("--max-memory");
+        let bridge = Bridge::start(&BridgeArgs { program: words, address, jobs: given, shares_memory })?;
         if bridge.slots() == 0 {
             console.warn(address, &["the cluster has no workers: files wait until it has some"]);
         }
-        let at_once = said.unwrap_or_else(|| bridge.slots()).max(1);
-        // A process for each thread of a worker.
-        let share = self.share(1, self.max_memory.map(|all| all / at_once as u64));
+        let at_once = given.unwrap_or_else(|| bridge.slots()).max(1);
+        // A cluster runs one process per thread of a worker.
+        let share = self.share(1, self.max_memory.map(|bytes| bytes / at_once as u64));
         Ok((BatchRunner::Cluster(bridge), share))
     }
 
-    fn says(&self, name: &str) -> bool {
+    /// Whether an option of the verb was given.
+    fn has_option(&self, name: &str) -> bool {
         self.options.iter().any(|word| word.split('=').next() == Some(name))
     }
 
-    /// The options for so many threads and so much memory, where the words of the verb do not have them.
+    /// The options for a number of threads and an amount of memory, unless the options of the verb set them.
     fn share(&self, threads: usize, memory: Option<u64>) -> Vec<String> {
         let mut share = Vec::new();
-        if !self.verb.is_report() && !self.says("--threads") {
+        if !self.verb.is_report() && !self.has_option("--threads") {
             share.extend(["--threads".to_owned(), threads.max(1).to_string()]);
         }
-        if let Some(memory) = memory.filter(|_| !self.says("--max-memory")) {
+        if let Some(memory) = memory.filter(|_| !self.has_option("--max-memory")) {
             share.extend(["--max-memory".to_owned(), memory.max(1).to_string()]);
         }
         share
     }
 
-    /// Refuses options that the verb does not take, once and not for every file.
+    /// Refuses invalid options of the verb, once instead of for every file.
     fn check_words(&self, items: &[BatchItem], command: BatchCommand) -> Result<(), Fault> {
         for word in &self.options {
             let name = word.split('=').next().unwrap_or_default();
             if ["--to", "--output", "-o"].contains(&name) {
-                let message = format!("{name} is an option of the batch: it stands before the '--'");
+                let message = format!("{name} is an option of the batch: put it before the '--'");
                 return Err(Fault::usage(message));
             }
         }
@@ -268,59 +268,61 @@ fn cores() -> usize {
     thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
-/// What would be done.
+/// The list of `--dry-run`.
 fn list(work: &BatchWork, items: &[BatchItem]) -> String {
     let mut text = String::new();
     for item in items {
-        let how = if work.is_done(item).is_some() { "skip" } else { "do  " };
+        let action = if work.is_done(item).is_some() { "skip" } else { "do  " };
         let (input, output) = (item.file.path.display(), work.folder.join(&item.output));
         // Writing to a text does not fail.
-        let _ = writeln!(text, "{how} {input} -> {}", output.display());
+        let _ = writeln!(text, "{action} {input} -> {}", output.display());
     }
     text
 }
 
-/// The right to work in a folder. The system takes it back when the process ends, however that ends.
+/// The lock of an output folder. The system releases it when the process ends, even by a kill.
 #[derive(Debug)]
 struct BatchLock {
-    /// Open as long as the right is held.
+    /// Holds the lock as long as it is open.
     _file: File,
-    /// Where processes write, empty at first.
+    /// A new folder for the processes of this batch.
     work_folder: PathBuf,
 }
 
 impl BatchLock {
-    fn take(folder: &Path) -> Result<Self, Fault> {
-        let own = folder.join(WORK);
+    fn acquire(folder: &Path) -> Result<Self, Fault> {
+        let batch_folder = folder.join(WORK);
         let failed = |error: std::io::Error| {
             Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error)))
         };
-        fs::create_dir_all(&own).map_err(failed)?;
+        fs::create_dir_all(&batch_folder).map_err(failed)?;
         let file = File::options()
             .write(true)
             .create(true)
             .truncate(false)
-            .open(own.join("lock"))
+            .open(batch_folder.join("lock"))
             .map_err(failed)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                let message = format!("{}: another batch works in this folder", folder.display());
+                let message = format!("{}: another batch is using this folder", folder.display());
                 return Err(Fault::output("locked", message));
             }
             Err(TryLockError::Error(error)) => return Err(failed(error)),
         }
-        // What a kill left. Its processes may still end there, so that this run has a folder of its own.
-        for entry in fs::read_dir(&own).map_err(failed)?.flatten() {
+        // Removes what a kill left. Processes of the killed batch may still be writing there, so this one
+        // uses a new folder.
+        for entry in fs::read_dir(&batch_folder).map_err(failed)?.flatten() {
             if entry.file_name() != "lock" {
                 let _ = fs::remove_dir_all(entry.path());
             }
         }
-        // The number of a process alone comes again, on another machine or in a container: then one of that other batch
-        // would go on for this.
+        // The process number alone can occur again, on another machine or in a container; then a left-over
+        // process of another batch could write into this one's folder.
         let mut random = [0; size_of::<u64>()];
         getrandom::fill(&mut random).map_err(|error| failed(std::io::Error::other(error)))?;
-        let work_folder = own.join(format!("{}-{:016x}", std::process::id(), u64::from_ne_bytes(random)));
+        let name = format!("{}-{:016x}", std::process::id(), u64::from_ne_bytes(random));
+        let work_folder = batch_folder.join(name);
         fs::create_dir_all(&work_folder).map_err(failed)?;
         signal::set_work_folder(Some(work_folder.clone()));
         Ok(Self { _file: file, work_folder })

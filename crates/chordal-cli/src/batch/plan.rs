@@ -1,4 +1,4 @@
-//! What a batch will do: for every input its output, and the words of its verb.
+//! The plan of a batch: the output of every input.
 use super::inputs::{BatchFile, BatchInputs};
 use super::verb::BatchVerb;
 use crate::fault::Fault;
@@ -6,16 +6,16 @@ use chordal_verbs::extension;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-/// One file to do.
+/// One file of a batch.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BatchItem {
     /// The input.
     pub file: BatchFile,
-    /// Its place as the manifest spells it: names joined by `/`.
+    /// The relative path of the input, joined by `/` as in the manifest.
     pub input_name: String,
-    /// The place of the output below the output folder.
+    /// The path of the output below the output folder.
     pub output: PathBuf,
-    /// The same as the manifest spells it.
+    /// The same joined by `/`.
     pub output_name: String,
     /// The extension of the output.
     pub extension: String,
@@ -24,16 +24,16 @@ pub struct BatchItem {
 /// How outputs are named.
 #[derive(Clone, Debug)]
 pub struct OutputNaming {
-    /// The extension, where `--to` says it.
+    /// The extension of `--to`, if given.
     pub to: Option<String>,
-    /// Whether the input's own extension stays in the name.
+    /// Whether the extension of the input stays in the name.
     pub keeps_extension: bool,
 }
 
-/// The items of a batch, in the order of their names.
+/// The items of a batch, ordered by input name.
 ///
 /// # Errors
-/// When two inputs would be written to one file.
+/// If two inputs have the same output.
 pub fn plan(inputs: BatchInputs, verb: BatchVerb, naming: &OutputNaming) -> Result<Vec<BatchItem>, Fault> {
     let mut items: Vec<BatchItem> = Vec::new();
     let mut taken: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
@@ -44,14 +44,14 @@ pub fn plan(inputs: BatchInputs, verb: BatchVerb, naming: &OutputNaming) -> Resu
         };
         let output = output_of(&file.relative, &extension, naming.keeps_extension);
         if let Some(other) = taken.insert(output.clone(), file.path.clone()) {
-            let both = format!("{} and {}", other.display(), file.path.display());
+            let pair = format!("{} and {}", other.display(), file.path.display());
             let advice = if naming.keeps_extension || extension_of(&other) == extension_of(&file.path) {
-                "--base names a folder around both"
+                "set --base to a folder that contains both"
             } else {
-                "--keep-extension keeps them apart"
+                "--keep-extension gives them different names"
             };
             return Err(Fault::usage(format!(
-                "{both} would both be written as {}: {advice}",
+                "{pair} would both be written as {}: {advice}",
                 output.display()
             )));
         }
@@ -68,12 +68,12 @@ fn extension_of(path: &Path) -> String {
 
 /// `a/b.obj` as `a/b.glb`, or as `a/b.obj.glb`.
 fn output_of(relative: &Path, to: &str, keeps_extension: bool) -> PathBuf {
-    let own = extension_of(relative);
+    let extension = extension_of(relative);
     let name = relative.file_name().unwrap_or_default();
     let mut output = name.to_owned();
-    // A name that is no Unicode keeps its extension: nothing is cut out of bytes that nobody can read.
-    if let Some(stem) = name.to_str().filter(|_| !keeps_extension && !own.is_empty()) {
-        output = stem[..stem.len() - own.len() - 1].into();
+    // A name that is not Unicode keeps its extension, since its bytes cannot be split safely.
+    if let Some(stem) = name.to_str().filter(|_| !keeps_extension && !extension.is_empty()) {
+        output = stem[..stem.len() - extension.len() - 1].into();
     }
     output.push(".");
     output.push(to);
@@ -102,8 +102,8 @@ mod tests {
 
     #[test]
     fn outputs_have_the_name_of_the_input_and_the_new_extension() {
-        let made = planned(&["a/b.c.obj", "brain.nii.gz", "teaset", "é ü.stl"], false);
-        assert_eq!(made.unwrap(), ["a/b.c.glb", "brain.glb", "teaset.glb", "é ü.glb"]);
+        let outputs = planned(&["a/b.c.obj", "brain.nii.gz", "teaset", "é ü.stl"], false);
+        assert_eq!(outputs.unwrap(), ["a/b.c.glb", "brain.glb", "teaset.glb", "é ü.glb"]);
         assert_eq!(planned(&["a.obj", "a.stl"], true).unwrap(), ["a.obj.glb", "a.stl.glb"]);
     }
 

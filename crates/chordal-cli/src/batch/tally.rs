@@ -1,4 +1,4 @@
-//! What a batch came to: counts, the table at the end, the line while it runs.
+//! The counts of a batch: the table at its end, and the progress line.
 use super::manifest::ManifestEntry;
 use crate::fault::Exit;
 use crate::numbers::{RoundingDirection, grouped, short};
@@ -7,16 +7,16 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
-/// How a file ended.
+/// The outcome of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileVerdict {
     /// Done.
     Met,
-    /// The budget was not reached.
+    /// The budget was not met.
     Unmet,
-    /// The budget cannot be reached.
+    /// The budget cannot be met.
     Refused,
-    /// It could not be read, written or done, or the process died.
+    /// Another error, or the process died.
     Failed,
 }
 
@@ -36,28 +36,28 @@ impl FileVerdict {
 /// Counts of files.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BatchTally {
-    /// Files in all.
+    /// All files.
     pub files: u64,
     /// Done.
     pub met: u64,
-    /// With a budget that was not reached.
+    /// With a budget that was not met.
     pub unmet: u64,
-    /// With a budget that cannot be reached.
+    /// With a budget that cannot be met.
     pub refused: u64,
     /// With another error.
     pub failed: u64,
-    /// Done before.
+    /// Done by an earlier run.
     pub skipped: u64,
-    /// Triangles of the inputs that became something.
+    /// Triangles of the inputs that have outputs.
     pub triangles_in: u64,
-    /// Triangles of what they became.
+    /// Triangles of the outputs.
     pub triangles_out: u64,
-    /// The largest of all, where there is one.
+    /// The largest bound, if there is any.
     pub bound: Option<f64>,
 }
 
 impl BatchTally {
-    /// Counts a file that was done now, or before.
+    /// Counts a file that was processed now or by an earlier run.
     pub fn add(&mut self, entry: &ManifestEntry, is_skipped: bool) {
         match FileVerdict::new(entry) {
             _ if is_skipped => self.skipped += 1,
@@ -66,7 +66,7 @@ impl BatchTally {
             FileVerdict::Refused => self.refused += 1,
             FileVerdict::Failed => self.failed += 1,
         }
-        // What did not become anything is in neither sum, so that they can be compared.
+        // Inputs without an output are left out of both sums, so that these can be compared.
         if entry.output_sha256.is_some() {
             self.triangles_in += entry.triangles_in.unwrap_or_default();
             self.triangles_out += entry.triangles_out.unwrap_or_default();
@@ -76,13 +76,13 @@ impl BatchTally {
         }
     }
 
-    /// Files that are over.
-    pub fn over(&self) -> u64 {
-        self.met + self.skipped + self.not_well()
+    /// The number of finished files.
+    pub fn finished(&self) -> u64 {
+        self.met + self.skipped + self.not_met()
     }
 
-    /// Files that did not go well.
-    pub fn not_well(&self) -> u64 {
+    /// The number of files that are unmet, refused or failed.
+    pub fn not_met(&self) -> u64 {
         self.unmet + self.refused + self.failed
     }
 
@@ -109,7 +109,7 @@ impl BatchTally {
         lines.finish()
     }
 
-    /// The same for programs.
+    /// The same as JSON.
     pub fn to_value(self, manifest: &str, seconds: f64) -> Value {
         json!({
             "schema": "chordal.batch/1",
@@ -128,23 +128,23 @@ impl BatchTally {
     }
 }
 
-/// The line on stderr: how many files are over, how many did not go well, how long it may take still.
+/// The progress line on stderr: finished files, failed files and the remaining time.
 #[derive(Debug)]
 pub struct BatchProgress {
-    /// None where nobody looks.
+    /// `None` if the line is not shown.
     bar: Option<ProgressBar>,
     started: Instant,
-    /// Bytes of all inputs, and of those that were done now.
+    /// Bytes of all inputs that this run processes, and of those that are finished.
     bytes: u64,
     bytes_done: u64,
 }
 
 impl BatchProgress {
-    /// A line about inputs of so many bytes, where it is shown.
+    /// A progress line for inputs of a number of bytes.
     pub fn new(bytes: u64, is_shown: bool) -> Self {
         let bar = is_shown.then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            // The template is a constant; should it ever be wrong, the line looks otherwise.
+            // The template is a constant; if it were ever invalid, the line would just look different.
             if let Ok(style) = ProgressStyle::with_template("{msg}") {
                 bar.set_style(style);
             }
@@ -153,7 +153,7 @@ impl BatchProgress {
         Self { bar, started: Instant::now(), bytes, bytes_done: 0 }
     }
 
-    /// Says that an input of so many bytes is over.
+    /// Counts an input of a number of bytes as finished.
     pub fn advance(&mut self, bytes: u64, is_skipped: bool, tally: &BatchTally) {
         if is_skipped {
             self.bytes = self.bytes.saturating_sub(bytes);
@@ -161,12 +161,12 @@ impl BatchProgress {
             self.bytes_done += bytes;
         }
         if let Some(bar) = &self.bar {
-            let left = left(self.started.elapsed(), self.bytes_done, self.bytes);
+            let left = time_left(self.started.elapsed(), self.bytes_done, self.bytes);
             bar.set_message(line(tally, left));
         }
     }
 
-    /// Something else is written while the line is away.
+    /// Hides the line while something else is written.
     pub fn aside(&self, write: impl FnOnce()) {
         match &self.bar {
             Some(bar) => bar.suspend(write),
@@ -174,7 +174,7 @@ impl BatchProgress {
         }
     }
 
-    /// Takes the line away.
+    /// Removes the line.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
@@ -183,17 +183,17 @@ impl BatchProgress {
 }
 
 fn line(tally: &BatchTally, left: Option<Duration>) -> String {
-    let mut line = format!("{} of {} files", grouped(tally.over()), grouped(tally.files));
-    if tally.not_well() > 0 {
-        line += &format!(", {} not well", grouped(tally.not_well()));
+    let mut line = format!("{} of {} files", grouped(tally.finished()), grouped(tally.files));
+    if tally.not_met() > 0 {
+        line += &format!(", {} failed", grouped(tally.not_met()));
     }
     line + &left.map_or_else(String::new, |left| format!(", about {} left", duration_text(left)))
 }
 
-/// The time for the bytes that are left, if they take as long as those before.
-fn left(elapsed: Duration, done: u64, all: u64) -> Option<Duration> {
-    let share = (all.saturating_sub(done)) as f64 / done as f64;
-    // Without any done there is no share.
+/// The remaining time if bytes take as long as before.
+fn time_left(elapsed: Duration, done: u64, total: u64) -> Option<Duration> {
+    let share = (total.saturating_sub(done)) as f64 / done as f64;
+    // If nothing is done yet, the share is not finite and the result is `None`.
     Duration::try_from_secs_f64(elapsed.as_secs_f64() * share).ok()
 }
 
@@ -238,14 +238,14 @@ mod tests {
         let BatchTally { met, unmet, refused, failed, skipped, .. } = tally;
         assert_eq!([met, unmet, refused, failed, skipped], [1, 2, 1, 2, 1]);
         assert_eq!(
-            (tally.over(), tally.bound, tally.triangles_in, tally.triangles_out),
+            (tally.finished(), tally.bound, tally.triangles_in, tally.triangles_out),
             (7, Some(5.0), 30, 12)
         );
     }
 
     #[test]
     fn the_time_that_is_left_goes_by_bytes() {
-        let text = |done, all| left(Duration::from_secs(100), done, all).map(duration_text);
+        let text = |done, total| time_left(Duration::from_secs(100), done, total).map(duration_text);
         assert_eq!(text(50, 100).as_deref(), Some("2 minutes"));
         assert_eq!(text(99, 100).as_deref(), Some("1 second"));
         assert_eq!(text(1, 1000).as_deref(), Some("28 hours"));

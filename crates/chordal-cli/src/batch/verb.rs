@@ -1,4 +1,4 @@
-//! The verbs that a batch runs: which outputs they write, and which options they share.
+//! The verbs that a batch can run, and the formats of their outputs.
 use crate::fault::Fault;
 use chordal_io::{Format, PictureFormat};
 use chordal_verbs::extension;
@@ -13,9 +13,9 @@ pub enum BatchVerb {
     Mesh,
     /// Levels of detail; .glb
     Lod,
-    /// Cured triangles; in the format of the input, or .glb
+    /// Repaired triangles; in the format of the input, or .glb
     Mend,
-    /// Distances on a lattice; .nrrd
+    /// Distances on a grid; .nrrd
     Bake,
     /// Pictures; .png unless --to says otherwise
     Render,
@@ -26,7 +26,7 @@ pub enum BatchVerb {
 }
 
 impl BatchVerb {
-    /// Its word on the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mesh => "mesh",
@@ -39,12 +39,12 @@ impl BatchVerb {
         }
     }
 
-    /// Whether its result is its report.
+    /// Whether the result is a report.
     pub fn is_report(self) -> bool {
         self == Self::Inspect
     }
 
-    /// The extension of the output for an input, where nobody says it.
+    /// The extension of the output for an input, without `--to`.
     pub fn usual_extension(self, input: &Path) -> String {
         match self {
             Self::Mesh | Self::Lod | Self::Convert => "glb".to_owned(),
@@ -53,19 +53,19 @@ impl BatchVerb {
             Self::Inspect => "json".to_owned(),
             Self::Mend => {
                 let name = input.to_string_lossy();
-                let own = extension(&name).and_then(Format::from_packed_extension);
-                own.filter(|format| format.holds_triangles()).unwrap_or(Format::Glb).to_string()
+                let format = extension(&name).and_then(Format::from_packed_extension);
+                format.filter(|format| format.holds_triangles()).unwrap_or(Format::Glb).to_string()
             }
         }
     }
 
-    /// The extension for what `--to` says.
+    /// The extension for a value of `--to`.
     ///
     /// # Errors
-    /// When that is nothing that the verb writes.
+    /// If the verb does not write that format.
     pub fn extension_for(self, to: &str) -> Result<String, Fault> {
         let name = self.name();
-        let refuse = |which: &str| Err(Fault::usage(format!("--to {to}: {name} writes {which}")));
+        let refuse = |formats: &str| Err(Fault::usage(format!("--to {to}: {name} writes {formats}")));
         let format = to.parse::<Format>().ok();
         let is_held = |holds: &[fn(Format) -> bool]| {
             format.filter(|format| holds.iter().any(|holds| holds(*format))).map(|format| format.to_string())
@@ -73,7 +73,7 @@ impl BatchVerb {
         let mesh: [fn(Format) -> bool; 3] =
             [Format::holds_triangles, Format::holds_polylines, Format::holds_volumes];
         let lower = to.trim_start_matches('.').to_ascii_lowercase();
-        let (found, which) = match self {
+        let (extension, formats) = match self {
             Self::Render => {
                 let known = PictureFormat::from_extension(&lower);
                 return if known.is_some() { Ok(lower) } else { refuse("png, jpg and webp") };
@@ -83,9 +83,9 @@ impl BatchVerb {
             Self::Bake => (is_held(&mesh[2..]), in_words(&names_where(Format::holds_volumes), "and")),
             Self::Mesh => (is_held(&mesh[..2]), "formats of triangles and of polylines".to_owned()),
             Self::Mend => (is_held(&mesh[..1]), "formats of triangles".to_owned()),
-            Self::Convert => (is_held(&mesh), "formats that are not only read".to_owned()),
+            Self::Convert => (is_held(&mesh), "formats that can be written".to_owned()),
         };
-        found.map_or_else(|| refuse(&which), Ok)
+        extension.map_or_else(|| refuse(&formats), Ok)
     }
 }
 

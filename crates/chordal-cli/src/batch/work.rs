@@ -1,5 +1,5 @@
-//! The work of a batch: each file in a process, some of them at once, each result recorded and put in its
-//! place.
+//! The work of a batch: runs a process for each file, several at once, records each result, and puts outputs
+//! in place.
 use super::job::{BatchJob, JobEnd, JobFault};
 use super::manifest::{Manifest, ManifestEntries, ManifestEntry};
 use super::plan::BatchItem;
@@ -21,75 +21,78 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
-/// Files whose errors are told as they end; the manifest has all.
-const MOST_TOLD: u64 = 10;
+/// The most files whose errors are printed; the manifest has all. Chosen: more would push the first off a
+/// screen.
+const MOST_PRINTED: u64 = 10;
 
-/// What holds for all files of a batch.
+/// The settings for all files of a batch.
 #[derive(Debug)]
 pub struct BatchWork<'a> {
-    /// Who runs the processes.
+    /// Runs the processes.
     pub runner: BatchRunner<'a>,
     /// The verb.
     pub verb: BatchVerb,
-    /// The verb with its options, as the manifest has it.
+    /// The verb with its options, as in the manifest.
     pub words: Vec<String>,
-    /// The share of threads and of memory that each process gets, as options.
+    /// The options for each process's share of threads and memory.
     pub share: Vec<String>,
-    /// Where the outputs stand.
+    /// The output folder.
     pub folder: &'a Path,
-    /// Where processes write before that.
+    /// The folder that processes write to before outputs are put in place.
     pub work_folder: PathBuf,
-    /// How long one may take.
+    /// The time limit of a process.
     pub timeout: Option<Duration>,
-    /// What happens to files that have the name of an output and are none.
+    /// What happens to existing files that no batch wrote.
     pub existing: OverwritePolicy,
-    /// Whether files are done again that were done before.
+    /// Whether files are processed again that are done already.
     pub redo: bool,
-    /// What was done before.
+    /// The entries of earlier runs.
     pub entries: &'a ManifestEntries,
-    /// Set when somebody asks to stop.
+    /// Set by a signal.
     pub cancel: &'a AtomicBool,
-    /// Who is told.
+    /// Prints messages.
     pub console: &'a Console,
 }
 
-/// How one file ended.
+/// The outcome of one file.
 enum ItemEnd {
-    /// It was done before.
+    /// It was done by an earlier run.
     Skipped(Box<ManifestEntry>),
-    /// It was done now; what it made is at that path, if it made anything.
+    /// It was processed now; the path is that of its output in the work folder, if there is one.
     Done(Box<ManifestEntry>, Option<PathBuf>),
-    /// Somebody asked to stop, or no file can be done any more.
+    /// A signal stopped the batch, or no file can be processed any more.
     Stopped(Fault),
 }
 
-/// What the threads share.
+/// The state that the threads share.
 struct BatchState {
     manifest: Manifest,
     tally: BatchTally,
     progress: BatchProgress,
-    /// Why no further file is begun.
+    /// Why no further item is started.
     fault: Option<Fault>,
-    /// How many items were begun.
-    n_begun: usize,
-    /// Threads, each of which waits for the end of an item.
+    /// The number of items that were started.
+    n_started: usize,
+    /// The number of threads, each of which waits for the end of an item.
     n_threads: usize,
 }
 
 impl BatchWork<'_> {
-    /// Does all items, as many at once as the runner takes, and returns the counts.
+    /// Processes all items, as many at once as the runner takes, and returns the counts.
     ///
     /// # Errors
-    /// When the manifest cannot be written, a cluster cannot do them, or somebody asked to stop.
+    /// If the manifest cannot be written, a cluster fails, or a signal stopped the batch.
     pub fn run(&self, items: &[BatchItem], manifest: Manifest) -> Result<BatchTally, Fault> {
-        let sizes: Vec<u64> =
-            items.iter().map(|item| fs::metadata(&item.file.path).map_or(0, |found| found.len())).collect();
+        let sizes: Vec<u64> = items
+            .iter()
+            .map(|item| fs::metadata(&item.file.path).map_or(0, |metadata| metadata.len()))
+            .collect();
         let state = Mutex::new(BatchState {
             manifest,
             tally: BatchTally { files: items.len() as u64, ..BatchTally::default() },
             progress: BatchProgress::new(sizes.iter().sum(), self.console.shows_progress()),
             fault: None,
-            n_begun: 0,
+            n_started: 0,
             n_threads: 0,
         });
         let shared = SharedWork { work: self, items, sizes: &sizes, state: &state };
@@ -99,7 +102,7 @@ impl BatchWork<'_> {
         state.fault.map_or(Ok(state.tally), Err)
     }
 
-    /// Whether a file was done before, with the same bytes, words and version, and its output is still there.
+    /// The entry of an earlier run with the same bytes, words and version, if its output still exists.
     pub fn is_done(&self, item: &BatchItem) -> Option<&ManifestEntry> {
         let entry = self.entries.by_input.get(&item.input_name).filter(|_| !self.redo)?;
         let is_same = entry.exit == Some(0)
@@ -147,29 +150,29 @@ impl BatchWork<'_> {
         if self.cancel.load(Ordering::Relaxed) || end.exit == Some(Exit::Interrupted as i32) {
             return ItemEnd::Stopped(Fault::interrupted());
         }
-        let made = end.made.clone();
+        let output = end.output.clone();
         if self.verb.is_report()
             && is_report(&end.stdout)
-            && let Err(error) = fs::write(&made, &end.stdout)
+            && let Err(error) = fs::write(&output, &end.stdout)
         {
             return fail(
                 entry,
-                &Fault::output("unwritable", format!("{}: {}", made.display(), plainly(&error))),
+                &Fault::output("unwritable", format!("{}: {}", output.display(), plainly(&error))),
             );
         }
         describe(&mut entry, &end);
-        // What a process that was ended has left is no output.
-        entry.output_sha256 = end.exit.and_then(|_| digest(&made).ok());
+        // A killed process may leave an incomplete file, which is no output.
+        entry.output_sha256 = end.exit.and_then(|_| digest(&output).ok());
         entry.input_sha256 = entry.input_sha256.take().or_else(|| digest(&item.file.path).ok());
         if entry.exit == Some(0) && entry.output_sha256.is_none() {
-            return fail(entry, &Fault::output("no-output", "the verb ended well and wrote no output"));
+            return fail(entry, &Fault::output("no-output", "the verb succeeded but wrote no output"));
         }
         entry.seconds = end.seconds.unwrap_or_else(|| started.elapsed().as_secs_f64());
-        let made = entry.output_sha256.is_some().then_some(made);
-        ItemEnd::Done(Box::new(entry), made)
+        let output = entry.output_sha256.is_some().then_some(output);
+        ItemEnd::Done(Box::new(entry), output)
     }
 
-    /// What happens to files that have the names of an item's.
+    /// What happens to existing files of an item's names.
     fn existing(&self, item: &BatchItem) -> OverwritePolicy {
         let is_ours = self.entries.outputs.contains(&item.output_name);
         if is_ours { OverwritePolicy::Replace } else { self.existing }
@@ -189,8 +192,8 @@ impl BatchWork<'_> {
         }
     }
 
-    /// Writes the line of a file, and then gives its output its name: a kill between the two leaves a line
-    /// without an output, which is done again.
+    /// Records a file and then puts its output in place. A kill between the two leaves an entry without an
+    /// output, so the file is processed again.
     fn record(
         &self,
         item: &BatchItem,
@@ -201,11 +204,12 @@ impl BatchWork<'_> {
         let (entry, is_skipped) = match end {
             ItemEnd::Stopped(fault) => return Err(fault),
             ItemEnd::Skipped(entry) => (entry, true),
-            ItemEnd::Done(mut entry, made) => {
+            ItemEnd::Done(mut entry, temp_output) => {
                 state.manifest.append(&entry)?;
                 let output = self.folder.join(&item.output);
-                let put = made.map_or(Ok(()), |made| put_in_place(&made, &output, self.existing(item)));
-                if let Err(fault) = put {
+                let placed =
+                    temp_output.map_or(Ok(()), |temp| put_in_place(&temp, &output, self.existing(item)));
+                if let Err(fault) = placed {
                     entry.output_sha256 = None;
                     entry.exit = Some(fault.exit as i32);
                     entry.code = Some(fault.code.to_owned());
@@ -219,19 +223,21 @@ impl BatchWork<'_> {
         state.progress.advance(bytes, is_skipped, &state.tally);
         let seconds = entry.seconds;
         state.progress.aside(|| match &entry.error {
-            _ if is_skipped => self.console.detail(&format!("{}: was done before", entry.input)),
-            Some(error) if state.tally.not_well() <= MOST_TOLD => self.console.failure(&told(&entry, error)),
-            Some(error) => self.console.detail(&told(&entry, error)),
+            _ if is_skipped => self.console.detail(&format!("{}: already done", entry.input)),
+            Some(error) if state.tally.not_met() <= MOST_PRINTED => {
+                self.console.failure(&error_text(&entry, error));
+            }
+            Some(error) => self.console.detail(&error_text(&entry, error)),
             None => self.console.detail(&format!("{} -> {}: {seconds:.2} s", entry.input, entry.output)),
         });
         Ok(())
     }
 }
 
-/// The version of this program, which its outputs depend on.
+/// The version of this program; outputs of other versions are made again.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What all threads know.
+/// The data of all threads.
 #[derive(Clone, Copy)]
 struct SharedWork<'a, 'b> {
     work: &'a BatchWork<'b>,
@@ -241,19 +247,19 @@ struct SharedWork<'a, 'b> {
 }
 
 impl<'scope> SharedWork<'scope, '_> {
-    /// Starts as many threads as the runner takes files at once, and there are.
+    /// Starts threads up to the number of files that the runner takes at once, or that are left.
     fn start_threads(self, scope: &'scope Scope<'scope, '_>) {
         let mut state = lock(self.state);
-        let wanted = self.work.runner.at_once().min(self.items.len() - state.n_begun + state.n_threads);
+        let wanted = self.work.runner.at_once().min(self.items.len() - state.n_started + state.n_threads);
         while state.n_threads < wanted && state.fault.is_none() {
             state.n_threads += 1;
-            scope.spawn(move || self.do_items(scope));
+            scope.spawn(move || self.run_items(scope));
         }
     }
 
-    /// Does one item after the other, until there are no more, or the runner takes fewer at once. Where it takes more,
-    /// there are more threads: a cluster grows and shrinks.
-    fn do_items(self, scope: &'scope Scope<'scope, '_>) {
+    /// Runs one item after the other, until there are no more, or the runner takes fewer at once. If the
+    /// runner takes more, starts more threads: a cluster grows and shrinks.
+    fn run_items(self, scope: &'scope Scope<'scope, '_>) {
         while let Some(number) = self.next() {
             let item = &self.items[number];
             let end = self.work.item(number, item);
@@ -267,29 +273,29 @@ impl<'scope> SharedWork<'scope, '_> {
         }
     }
 
-    /// The next item for this thread; none where it is to end.
+    /// The next item for this thread; `None` if the thread should end.
     fn next(self) -> Option<usize> {
         let mut state = lock(self.state);
         let is_wanted = state.n_threads <= self.work.runner.at_once() && state.fault.is_none();
-        if !is_wanted || state.n_begun == self.items.len() {
+        if !is_wanted || state.n_started == self.items.len() {
             state.n_threads -= 1;
             return None;
         }
-        state.n_begun += 1;
-        Some(state.n_begun - 1)
+        state.n_started += 1;
+        Some(state.n_started - 1)
     }
 }
 
 /// The words of the verb for one file, before those of its output.
 pub fn child_words(verb: BatchVerb, input: &Path) -> Vec<OsString> {
-    // A name that begins like an option.
+    // A name with a leading `-` would be taken for an option.
     let is_dashed = input.as_os_str().as_encoded_bytes().starts_with(b"-");
     let input = if is_dashed { Path::new(".").join(input) } else { input.to_owned() };
     vec![verb.name().into(), input.into(), "--json".into()]
 }
 
-/// The sentence, which names the file as the verb does.
-fn told(entry: &ManifestEntry, error: &str) -> String {
+/// The error message, which names the file if the verb's error does not.
+fn error_text(entry: &ManifestEntry, error: &str) -> String {
     if error.contains(&entry.input) { error.to_owned() } else { format!("{}: {error}", entry.input) }
 }
 
@@ -301,17 +307,17 @@ fn digest(path: &Path) -> io::Result<String> {
     sha256_of(&mut File::open(path)?)
 }
 
-/// Whether a process said what it found.
+/// Whether a process printed a report.
 fn is_report(stdout: &[u8]) -> bool {
     let report: Option<Value> = serde_json::from_slice(stdout).ok();
     report.is_some_and(|report| report.get("certificate").is_some())
 }
 
-/// What the process says of its file.
+/// Fills an entry from the report and the end of a process.
 fn describe(entry: &mut ManifestEntry, end: &JobEnd) {
     let report: Value = serde_json::from_slice(&end.stdout).unwrap_or_default();
-    let text = |place: &str| report.pointer(place).and_then(Value::as_str).map(str::to_owned);
-    let count = |place: &str| report.pointer(place).and_then(Value::as_u64);
+    let text = |pointer: &str| report.pointer(pointer).and_then(Value::as_str).map(str::to_owned);
+    let count = |pointer: &str| report.pointer(pointer).and_then(Value::as_u64);
     entry.exit = end.exit;
     entry.input_sha256 = text("/certificate/input/sha256");
     entry.bound = report.pointer("/certificate/bound/at_most").and_then(Value::as_f64);
@@ -323,22 +329,22 @@ fn describe(entry: &mut ManifestEntry, end: &JobEnd) {
     }
     let messages = report.pointer("/error/messages").and_then(Value::as_array);
     let messages: Vec<&str> = messages.into_iter().flatten().filter_map(Value::as_str).collect();
-    let said = (!messages.is_empty()).then(|| messages.join("; "));
-    entry.error = end.why.clone().or(said).or_else(|| last_line(&end.stderr));
-    entry.error.get_or_insert_with(|| format!("it ended with {}", end.exit.unwrap_or_default()));
+    let message = (!messages.is_empty()).then(|| messages.join("; "));
+    entry.error = end.why.clone().or(message).or_else(|| last_line(&end.stderr));
+    entry.error.get_or_insert_with(|| format!("the process ended with {}", end.exit.unwrap_or_default()));
 }
 
-/// The last sentence on stderr.
+/// The last line of stderr, without the program's prefix.
 fn last_line(stderr: &[u8]) -> Option<String> {
     let text = String::from_utf8_lossy(stderr);
     let line = text.lines().rev().find(|line| !line.trim().is_empty())?;
     Some(line.strip_prefix("chordal: ").unwrap_or(line).to_owned())
 }
 
-/// Gives an output its name, after the files beside it: a library of materials, a buffer, pictures.
-fn put_in_place(made: &Path, output: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
+/// Moves an output to its path, after its side files: a material library, a buffer, images.
+fn put_in_place(temp_output: &Path, output: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
     let folder = output.parent().unwrap_or(Path::new("."));
-    let staging = made.parent().unwrap_or(Path::new("."));
+    let staging = temp_output.parent().unwrap_or(Path::new("."));
     let failed = |path: &Path| {
         let name = path.display().to_string();
         move |error: io::Error| Fault::output("unwritable", format!("{name}: {}", plainly(&error)))
@@ -347,7 +353,7 @@ fn put_in_place(made: &Path, output: &Path, existing: OverwritePolicy) -> Result
     let mut beside = Vec::new();
     for entry in fs::read_dir(staging).map_err(failed(staging))? {
         let path = entry.map_err(failed(staging))?.path();
-        if path != made {
+        if path != temp_output {
             beside.push((folder.join(path.file_name().unwrap_or_default()), path));
         }
     }
@@ -356,8 +362,8 @@ fn put_in_place(made: &Path, output: &Path, existing: OverwritePolicy) -> Result
     for (to, path) in &beside {
         fs::rename(path, to).map_err(failed(to))?;
     }
-    fs::rename(made, output).map_err(failed(output))?;
-    // Empty by now, and of no use.
+    fs::rename(temp_output, output).map_err(failed(output))?;
+    // The folder is empty now.
     let _ = fs::remove_dir(staging);
     Ok(())
 }

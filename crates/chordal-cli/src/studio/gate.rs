@@ -1,27 +1,27 @@
-//! `RequestGate`: who may have the page. Every rule against foreign pages and machines stands here.
+//! `RequestGate`: access control of the server. Every rule against foreign pages and machines is here.
 use super::secret::Secret;
 use hyper::header::{COOKIE, HOST, HeaderMap, HeaderName, ORIGIN, UPGRADE};
 use hyper::{Method, Request};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The names under which a browser on this machine finds the server.
+/// The host names under which a browser on this machine reaches the server.
 const OWN_NAMES: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
 
-/// What the gate says to a request.
+/// The decision about a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GateDecision {
-    /// Come in.
+    /// The request is allowed.
     Enter,
-    /// The token is good: take this cookie and ask again, without the token.
+    /// The token is valid: the browser gets this cookie and is redirected to a URL without the token.
     Welcome {
         /// The value of `Set-Cookie`.
         cookie: String,
     },
-    /// The `Host` is not ours: another site's name was bent to point here.
+    /// The `Host` is unknown: another site's name points to this address (DNS rebinding).
     ForeignHost,
-    /// Something that changes state, or a socket, is asked for by another site's page.
+    /// A page of another site requests something other than a plain read.
     ForeignOrigin,
-    /// No token and no cookie, or wrong ones, or the token was used before.
+    /// Neither a valid cookie nor a valid, unused token.
     Stranger,
 }
 
@@ -35,14 +35,14 @@ pub struct RequestGate {
 }
 
 impl RequestGate {
-    /// A gate for the server at `port`, which may also be called by each of `names`.
+    /// A gate for the server at `port`, which is also reachable under each of `names`.
     pub fn new(port: u16, names: &[String], token: Secret, session: Secret) -> Self {
-        let own = OWN_NAMES.iter().map(|name| (*name).to_owned());
-        let names = own.chain(names.iter().map(|name| name.to_ascii_lowercase())).collect();
+        let usual_names = OWN_NAMES.iter().map(|name| (*name).to_owned());
+        let names = usual_names.chain(names.iter().map(|name| name.to_ascii_lowercase())).collect();
         Self { port, names, token, session, is_token_spent: AtomicBool::new(false) }
     }
 
-    /// What this request gets.
+    /// Decides about a request.
     pub fn judge<B>(&self, request: &Request<B>) -> GateDecision {
         let headers = request.headers();
         if !single_header(headers, &HOST).is_some_and(|host| self.is_own_host(host)) {
@@ -56,7 +56,7 @@ impl RequestGate {
             return GateDecision::Enter;
         }
         let given = if request.uri().path() == "/" { token_in(request.uri().query()) } else { None };
-        // The swap comes last: a wrong token does not spend the right one.
+        // The swap comes last, so that a wrong token does not use up the right one.
         if given.is_some_and(|token| self.token.matches(token))
             && !self.is_token_spent.swap(true, Ordering::SeqCst)
         {
@@ -65,7 +65,8 @@ impl RequestGate {
         GateDecision::Stranger
     }
 
-    /// A cookie belongs to a host on all its ports, so the port is in its name.
+    /// The `Set-Cookie` value. Browsers share the cookies of a host between its ports, so the name contains
+    /// the port.
     fn cookie(&self) -> String {
         format!("{}={}; HttpOnly; SameSite=Strict; Path=/", self.cookie_name(), self.session.text())
     }
@@ -83,7 +84,7 @@ impl RequestGate {
             .any(|(key, value)| key == name && self.session.matches(value))
     }
 
-    /// `name:port`, or the name alone where the port is the protocol's own.
+    /// Whether a host is `name:port`, or just `name` at the default port of HTTP.
     fn is_own_host(&self, host: &str) -> bool {
         let host = host.to_ascii_lowercase();
         let named = self.names.iter().filter_map(|name| host.strip_prefix(name.as_str()));
@@ -96,10 +97,10 @@ impl RequestGate {
     }
 }
 
-/// A header that is there exactly once, as text.
+/// A header that occurs exactly once, as text.
 fn single_header<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
-    let mut all = headers.get_all(name).iter();
-    match (all.next(), all.next()) {
+    let mut values = headers.get_all(name).iter();
+    match (values.next(), values.next()) {
         (Some(value), None) => value.to_str().ok(),
         _ => None,
     }

@@ -34,8 +34,7 @@ pub struct StudioArgs {
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub port: u16,
 
-    /// Address to listen on, instead of 127.0.0.1; with one that other machines can reach, --token is
-    /// required
+    /// Address to listen on, instead of 127.0.0.1; an address that other machines can reach requires --token
     #[arg(long, value_name = "ADDRESS")]
     pub host: Option<IpAddr>,
 
@@ -56,16 +55,16 @@ pub struct StudioArgs {
     pub open: bool,
 }
 
-/// The shortest token that a user may choose: as many hexadecimal digits as 128 bits take.
+/// The shortest token that a user may choose. Derived: the hexadecimal digits of 128 bits.
 const SHORTEST_TOKEN: usize = 32;
 
-/// Serves until somebody stops it.
+/// Serves until a signal stops it.
 pub fn run(args: &StudioArgs) -> Result<(), Fault> {
     let address = address(args)?;
     let token = token(args)?;
     let page = StudioPage::find(args.dir.as_deref())?.opened(read_all(&args.files)?)?;
     let session = Secret::random().map_err(no_random)?;
-    // One thread does: the page is a handful of files, read once.
+    // One thread is enough: the page is a handful of files in memory.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(|error| {
         Fault::output("no-server", format!("the server cannot start: {}", plainly(&error)))
     })?;
@@ -78,7 +77,9 @@ pub fn run(args: &StudioArgs) -> Result<(), Fault> {
         let url = format!("http://{name}:{}/?token={}", address.port(), token.text());
         let gate = RequestGate::new(address.port(), &names, token, session);
         signal::install(Arc::default());
-        print(&format!("Chordal studio: {url}\nThe link works once, in one browser. Ctrl-C ends it.\n"))?;
+        print(&format!(
+            "Chordal studio: {url}\nThe link works once, in one browser. Ctrl-C stops the server.\n"
+        ))?;
         if args.open {
             open(&url)?;
         }
@@ -87,7 +88,7 @@ pub fn run(args: &StudioArgs) -> Result<(), Fault> {
     })
 }
 
-/// The most bytes of all files: what a browser can hold several times over.
+/// The most bytes of all files. Chosen: a browser has memory for several times as much.
 const MOST_BYTES: u64 = 600 << 20;
 
 /// The files with their names, without folders.
@@ -107,21 +108,21 @@ fn address(args: &StudioArgs) -> Result<SocketAddr, Fault> {
     let host = args.host.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST));
     if !host.is_loopback() && args.token.is_none() {
         return Err(Fault::usage(format!(
-            "--host {host} opens the studio to other machines, which needs a --token of your own as well"
+            "--host {host} opens the studio to other machines, which requires your own --token as well"
         )));
     }
     Ok(SocketAddr::new(host, args.port))
 }
 
-/// What browsers may call this machine beside the names that it always has: those that are given, and its
-/// address, which unlike a name cannot be bent to point here by somebody else.
+/// The host names that browsers may use besides the usual ones: the given names, and the address itself,
+/// which unlike a name nobody else can redirect.
 fn allowed_names(address: IpAddr, given: &[String]) -> Vec<String> {
-    let own = match address {
+    let address_name = match address {
         address if address.is_unspecified() => None,
         IpAddr::V4(address) => Some(address.to_string()),
         IpAddr::V6(address) => Some(format!("[{address}]")),
     };
-    given.iter().cloned().chain(own).collect()
+    given.iter().cloned().chain(address_name).collect()
 }
 
 /// The user's token, or a new one.
@@ -130,21 +131,21 @@ fn token(args: &StudioArgs) -> Result<Secret, Fault> {
     let plain = token.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
     if token.len() < SHORTEST_TOKEN || !plain {
         return Err(Fault::usage(format!(
-            "a --token has at least {SHORTEST_TOKEN} letters and digits, chosen by chance, as from 'openssl rand -hex 24'"
+            "--token needs at least {SHORTEST_TOKEN} random letters and digits, for example from 'openssl rand -hex 24'"
         )));
     }
     Ok(Secret::from_text(token))
 }
 
 fn no_random(error: getrandom::Error) -> Fault {
-    Fault::new(Exit::Output, "no-random", format!("the system gives no random numbers for a token: {error}"))
+    Fault::new(Exit::Output, "no-random", format!("the system has no random numbers for a token: {error}"))
 }
 
 fn cannot_listen(address: SocketAddr, error: &std::io::Error) -> Fault {
     Fault::output("no-server", format!("cannot listen at {address}: {}", plainly(error)))
 }
 
-/// Hands the link to the system's browser.
+/// Opens the link in the system's browser.
 fn open(url: &str) -> Result<(), Fault> {
     let (program, before): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])
@@ -157,7 +158,7 @@ fn open(url: &str) -> Result<(), Fault> {
     started.map(drop).map_err(|error| {
         Fault::output(
             "no-browser",
-            format!("{program} does not start ({}): open the link yourself", plainly(&error)),
+            format!("{program} cannot be started ({}): open the link yourself", plainly(&error)),
         )
     })
 }

@@ -1,5 +1,4 @@
-//! `StudioPage`: the files that are served, all of them in memory, each under the one name that it is asked
-//! for by.
+//! `StudioPage`: the files that are served, all in memory, each under one fixed URL.
 use crate::fault::{Fault, plainly};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -8,16 +7,16 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 mod built {
-    //! What `build.rs` found.
+    //! The archive that `build.rs` found.
     include!(concat!(env!("OUT_DIR"), "/page.rs"));
 }
 
-/// The most bytes of one file: twice the command as a module, the largest.
+/// The most bytes of one file. Chosen: twice the largest, which is the command as a module.
 const MOST_BYTES: u64 = 32 << 20;
-/// The most files of a folder that is served: every exhibit has two pages and a script or two.
+/// The most files of a folder that is served. Chosen: every exhibit has two pages and a script or two.
 const MOST_FILES: usize = 256;
 
-/// Bytes that are decompressed at once.
+/// The size of the decompression buffer.
 const BUFFER: usize = 1 << 16;
 
 /// The page that files are opened with.
@@ -26,26 +25,26 @@ const WORKBENCH: &str = "/workbench.html";
 /// One file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PageFile {
-    /// What it holds.
+    /// The content.
     pub bytes: Cow<'static, [u8]>,
     /// Its media type.
     pub kind: &'static str,
 }
 
-/// The files by the path of their URL. What is not listed here does not exist: no request ever becomes a path
-/// of the file system.
+/// The files by the path of their URL. Only listed paths exist: a request is never turned into a path of the
+/// file system.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StudioPage {
     files: BTreeMap<String, PageFile>,
-    /// Where a browser begins.
+    /// The first URL of a browser.
     home: String,
 }
 
 impl StudioPage {
-    /// The page in `dir`; else the one built into this command; else one that lies beside it.
+    /// The page in `dir`; else the one built into this command; else one beside the command.
     ///
     /// # Errors
-    /// When there is none, with the sentence how to get it.
+    /// If there is none; the message says how to get it.
     pub fn find(dir: Option<&Path>) -> Result<Self, Fault> {
         if let Some(dir) = dir {
             return Self::read(dir);
@@ -69,15 +68,15 @@ impl StudioPage {
         self.files.get(if path == "/" { "/index.html" } else { path })
     }
 
-    /// Where a browser begins: the first page, or the workbench with what was opened.
+    /// The first URL of a browser: the start page, or the workbench with the opened files.
     pub fn home(&self) -> &str {
         &self.home
     }
 
-    /// Puts files on the workbench, which asks for them by number: their names never become paths of a URL.
+    /// Adds files for the workbench, which requests them by number: file names never become URL paths.
     ///
     /// # Errors
-    /// When the page has no workbench.
+    /// If the page has no workbench.
     pub fn opened(mut self, files: Vec<(String, Vec<u8>)>) -> Result<Self, Fault> {
         if files.is_empty() {
             return Ok(self);
@@ -99,7 +98,7 @@ impl StudioPage {
         Self { files, home: "/".into() }
     }
 
-    /// Lists and reads a folder and its `assets`, links left out.
+    /// Reads the files of a folder and its `assets`, without links.
     fn read(dir: &Path) -> Result<Self, Fault> {
         let fault = |path: &Path, why: &str| Fault::input("unreadable", format!("{}: {why}", path.display()));
         let mut files = BTreeMap::new();
@@ -134,14 +133,14 @@ impl StudioPage {
     }
 }
 
-/// The files of an archive: a line of JSON with names and lengths, then the bytes of one after the other, all compressed
-/// together by Brotli.
+/// The files of an archive: a line of JSON with names and lengths, then the bytes of all files in order, all
+/// compressed by Brotli.
 fn unpacked(archive: &[u8]) -> Option<BTreeMap<String, PageFile>> {
-    let mut whole = Vec::new();
-    brotli_decompressor::Decompressor::new(archive, BUFFER).read_to_end(&mut whole).ok()?;
-    let end = whole.iter().position(|byte| *byte == b'\n')?;
-    let list: Vec<(String, usize)> = serde_json::from_slice(&whole[..end]).ok()?;
-    let (mut files, mut rest) = (BTreeMap::new(), &whole[end + 1..]);
+    let mut content = Vec::new();
+    brotli_decompressor::Decompressor::new(archive, BUFFER).read_to_end(&mut content).ok()?;
+    let end = content.iter().position(|byte| *byte == b'\n')?;
+    let list: Vec<(String, usize)> = serde_json::from_slice(&content[..end]).ok()?;
+    let (mut files, mut rest) = (BTreeMap::new(), &content[end + 1..]);
     for (path, len) in list {
         let (bytes, after) = rest.split_at_checked(len)?;
         rest = after;
@@ -153,18 +152,19 @@ fn unpacked(archive: &[u8]) -> Option<BTreeMap<String, PageFile>> {
     Some(files)
 }
 
-/// Where a page lies that was not built in: beside the command, where programs keep their data, or in the
+/// The folder of a page that is not built in: beside the command, in the usual data folder, or in the
 /// checkout that the command was built in.
 fn page_folder() -> Option<PathBuf> {
     let command = std::env::current_exe().ok()?.canonicalize().ok()?;
     let folder = command.parent()?;
     let mut places = vec![folder.join("studio"), folder.join("../share/chordal/studio")];
-    // target/release/chordal and target/wasm32-unknown-unknown/release/… lie two or three folders down.
+    // The command is two or three folders below the checkout: target/release/,
+    // target/wasm32-unknown-unknown/release/.
     places.extend(folder.ancestors().skip(1).take(3).map(|root| root.join("studio/dist/page")));
     places.into_iter().find(|place| place.join("index.html").is_file())
 }
 
-/// All but letters and digits as their bytes.
+/// A name with percent-encoding.
 fn percent_encoded(name: &str) -> String {
     let encode = |byte: u8| match byte {
         byte if byte.is_ascii_alphanumeric() || b"._-".contains(&byte) => char::from(byte).to_string(),
@@ -173,7 +173,7 @@ fn percent_encoded(name: &str) -> String {
     name.bytes().map(encode).collect()
 }
 
-/// The media type by the end of a name; a file of another kind is not served.
+/// The media type of a file extension; other files are not served.
 fn kind(name: &str) -> Option<&'static str> {
     let plain = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"._-".contains(&byte));
     let (stem, end) = name.rsplit_once('.')?;
@@ -198,7 +198,7 @@ mod tests {
     use super::*;
     use chordal_testkit::Folder;
 
-    /// A folder as a page's, with one for its assets.
+    /// A folder for a page, with an `assets` folder.
     fn studio_folder(name: &str) -> Folder {
         let folder = Folder::new(&format!("page-{name}"));
         fs::create_dir_all(folder.path("assets")).unwrap();

@@ -1,34 +1,34 @@
-//! `Secret`: 192 bits that nobody can guess, compared in constant time.
+//! `Secret`: 192 random bits, compared in constant time.
 use subtle::ConstantTimeEq;
 
-/// Bytes of a random secret: 192 bits.
+/// The bytes of a random secret. Chosen: 192 bits cannot be guessed.
 const BYTES: usize = 24;
 
-/// A token or a cookie. It prints nothing of itself by accident: there is no `Debug`.
+/// A token or a cookie. It has no `Debug`, so that it is never printed by accident.
 pub struct Secret(String);
 
 impl Secret {
-    /// A new one from the system's source of random numbers, as 48 hexadecimal digits.
+    /// A new secret from the system's random numbers, as 48 hexadecimal digits.
     ///
     /// # Errors
-    /// When the system has no such source.
+    /// If the system has no random numbers.
     pub fn random() -> Result<Self, getrandom::Error> {
         let mut bytes = [0; BYTES];
         getrandom::fill(&mut bytes)?;
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// The one that the user chose.
+    /// A secret that the user chose.
     pub fn from_text(text: &str) -> Self {
         Self(text.to_owned())
     }
 
-    /// For the link and for the cookie.
+    /// The text for the link or the cookie.
     pub fn text(&self) -> &str {
         &self.0
     }
 
-    /// Whether `other` is the same. The time it takes depends on the lengths alone.
+    /// Whether `other` is the same. The time depends only on the lengths.
     pub fn matches(&self, other: &str) -> bool {
         self.0.as_bytes().ct_eq(other.as_bytes()).into()
     }

@@ -1,5 +1,5 @@
-//! Answers requests: what the gate lets in gets a file from the list, and every answer carries the same
-//! strict headers.
+//! Answers requests: an allowed request gets a file of the page, and every response has the same strict
+//! headers.
 use super::gate::{GateDecision, RequestGate};
 use super::page::{PageFile, StudioPage};
 use http_body_util::Full;
@@ -17,28 +17,30 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 
-/// The page may run its own script, its own worker and WebAssembly, load its own files, and nothing else.
+/// The content security policy: the page may only run its own scripts, workers and WebAssembly, and load its
+/// own files.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; \
     connect-src 'self'; style-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; \
     frame-ancestors 'self'";
 
-/// The most connections at once; a browser opens about six.
+/// The most connections at once. Chosen: a browser opens about six.
 const MOST_CONNECTIONS: usize = 64;
-/// The most bytes of a request's head.
+/// The most bytes of a request's head. Chosen: browsers send far less.
 const MOST_HEAD: usize = 16 << 10;
-/// How long a request's head may take to come.
+/// The time limit for receiving a request's head. Chosen: generous for a local connection.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// How long a connection may live: whoever reads slower than this holds a place for nothing.
+/// The time limit of a connection. Chosen: long enough for any page, and stalled clients do not hold a permit
+/// for ever.
 const LIFE: Duration = Duration::from_secs(300);
-/// How long to wait when the system has no connection to give, so that the loop does not spin.
+/// The pause after a failed accept. Chosen: short for users, and the loop does not spin.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Serves `page` to whom `gate` lets in. It does not end.
+/// Serves `page` to requests that `gate` allows. It does not end.
 pub async fn serve(listener: TcpListener, gate: Arc<RequestGate>, page: Arc<StudioPage>) {
-    let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    let permits = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     loop {
-        // The semaphore is never closed, so that the permit is always there in the end.
-        let Ok(place) = Arc::clone(&places).acquire_owned().await else { return };
+        // The semaphore is never closed, so a permit comes eventually.
+        let Ok(permit) = Arc::clone(&permits).acquire_owned().await else { return };
         let Ok((stream, _)) = listener.accept().await else {
             tokio::time::sleep(PAUSE).await;
             continue;
@@ -49,14 +51,14 @@ pub async fn serve(listener: TcpListener, gate: Arc<RequestGate>, page: Arc<Stud
                 let answer = answer(&gate, &page, &request);
                 async { Ok::<_, Infallible>(answer) }
             });
-            // A connection that breaks or takes too long is the browser's own business.
+            // A connection that breaks or takes too long is simply dropped.
             let connection = hyper::server::conn::http1::Builder::new()
                 .timer(TokioTimer::new())
                 .header_read_timeout(PATIENCE)
                 .max_buf_size(MOST_HEAD)
                 .serve_connection(TokioIo::new(stream), answer);
             let _ = tokio::time::timeout(LIFE, connection).await;
-            drop(place);
+            drop(permit);
         });
     }
 }
@@ -66,7 +68,9 @@ fn answer<B>(gate: &RequestGate, page: &StudioPage, request: &Request<B>) -> Res
         GateDecision::Enter => file(page, request),
         GateDecision::Welcome { cookie } => welcome(&cookie, page.home()),
         GateDecision::ForeignHost => text(StatusCode::MISDIRECTED_REQUEST, "This server has another name.\n"),
-        GateDecision::ForeignOrigin => text(StatusCode::FORBIDDEN, "Another site's page asks for this.\n"),
+        GateDecision::ForeignOrigin => {
+            text(StatusCode::FORBIDDEN, "Requests from pages of other sites are refused.\n")
+        }
         GateDecision::Stranger => text(
             StatusCode::FORBIDDEN,
             "Open the link that 'chordal studio' printed; it works once. Start it again for a new one.\n",
@@ -88,7 +92,7 @@ fn answer<B>(gate: &RequestGate, page: &StudioPage, request: &Request<B>) -> Res
 
 fn file<B>(page: &StudioPage, request: &Request<B>) -> Response<Full<Bytes>> {
     if !matches!(*request.method(), Method::GET | Method::HEAD) {
-        let mut response = text(StatusCode::METHOD_NOT_ALLOWED, "There is nothing to change here.\n");
+        let mut response = text(StatusCode::METHOD_NOT_ALLOWED, "This server only answers GET and HEAD.\n");
         response.headers_mut().insert(ALLOW, HeaderValue::from_static("GET, HEAD"));
         return response;
     }
@@ -98,16 +102,16 @@ fn file<B>(page: &StudioPage, request: &Request<B>) -> Response<Full<Bytes>> {
     }
 }
 
-/// On to the page without the token, which so leaves the address bar and the history.
+/// Redirects to the page without the token, which thus leaves the address bar and the history.
 fn welcome(cookie: &str, home: &str) -> Response<Full<Bytes>> {
-    let mut response = text(StatusCode::SEE_OTHER, "Come in.\n");
+    let mut response = text(StatusCode::SEE_OTHER, "The page is at another address.\n");
     match (HeaderValue::from_str(cookie), HeaderValue::from_str(home)) {
         (Ok(cookie), Ok(home)) => {
             response.headers_mut().insert(SET_COOKIE, cookie);
             response.headers_mut().insert(LOCATION, home);
             response
         }
-        _ => text(StatusCode::INTERNAL_SERVER_ERROR, "The way in cannot be written.\n"),
+        _ => text(StatusCode::INTERNAL_SERVER_ERROR, "The redirect cannot be written.\n"),
     }
 }
 

@@ -1,10 +1,10 @@
-//! A tree of boxes, to find the nearest of many things.
+//! A bounding volume hierarchy, to find the nearest of many items.
 use super::vector::{Point, norm};
 
 /// An axis-aligned box: low and high corner.
 pub type Bounds = [Point; 2];
 
-/// A binary tree over boxes, built once by halving the longest side at the median.
+/// A binary tree of boxes, built by splitting at the median along the longest side.
 pub struct BoxTree {
     nodes: Vec<BoxNode>,
     order: Vec<u32>,
@@ -14,11 +14,11 @@ struct BoxNode {
     bounds: Bounds,
     /// The range of `order` below this node.
     range: [u32; 2],
-    /// The second child; the first follows the node itself. 0 at a leaf.
+    /// The index of the second child; the first child follows its parent. 0 for a leaf.
     second: u32,
 }
 
-/// The most things below a node without children; chosen.
+/// The most items of a leaf. Chosen: larger leaves visit more items, smaller ones more nodes.
 const LEAF: usize = 4;
 
 /// The box around points.
@@ -44,7 +44,7 @@ impl BoxTree {
 
     fn build(&mut self, boxes: &[Bounds], start: usize, end: usize) {
         let bounds = around(self.order[start..end].iter().flat_map(|&i| boxes[i as usize]));
-        let here = self.nodes.len();
+        let node = self.nodes.len();
         self.nodes.push(BoxNode { bounds, range: [start as u32, end as u32], second: 0 });
         if end - start <= LEAF {
             return;
@@ -55,31 +55,31 @@ impl BoxTree {
         let half = (end - start) / 2;
         self.order[start..end].select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
         self.build(boxes, start, start + half);
-        self.nodes[here].second = self.nodes.len() as u32;
+        self.nodes[node].second = self.nodes.len() as u32;
         self.build(boxes, start + half, end);
     }
 
     /// Visits, roughly from near to far, each item whose node is nearer to `p` than `best`. The visitor gets
-    /// the item and what is best so far, and returns what is best then.
+    /// the item and the best distance so far, and returns the new best distance.
     pub fn visit(&self, p: Point, best: f64, mut visitor: impl FnMut(usize, f64) -> f64) {
         let mut best = best;
         let mut stack = vec![];
         if let Some(root) = self.nodes.first() {
             stack.push((distance_to_bounds(&root.bounds, p), 0));
         }
-        while let Some((away, at)) = stack.pop() {
-            if away >= best {
+        while let Some((distance, node_idx)) = stack.pop() {
+            if distance >= best {
                 continue;
             }
-            let node = &self.nodes[at];
+            let node = &self.nodes[node_idx];
             if node.second == 0 {
                 for &item in &self.order[node.range[0] as usize..node.range[1] as usize] {
                     best = visitor(item as usize, best);
                 }
                 continue;
             }
-            let children =
-                [at + 1, node.second as usize].map(|c| (distance_to_bounds(&self.nodes[c].bounds, p), c));
+            let children = [node_idx + 1, node.second as usize]
+                .map(|c| (distance_to_bounds(&self.nodes[c].bounds, p), c));
             let near_first = children[0].0 <= children[1].0;
             let [near, far] = if near_first { children } else { [children[1], children[0]] };
             stack.push(far);

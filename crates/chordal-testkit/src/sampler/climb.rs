@@ -1,7 +1,7 @@
-//! A climb: from a sample uphill to a local maximum, by trying steps that halve.
+//! Hill climbing from a sample to a local maximum, with steps that are halved (pattern search).
 
-/// Climbs in the unit square from `start`, whose value is `value`, with a first step of `step`; returns the
-/// best value and its place. `halvings` steps are tried.
+/// Climbs in the unit square from `start`, whose value is `value`; `step` is the first step, which is halved
+/// after each of `halvings` rounds. Returns the largest value of `of` and its place.
 pub fn climb(
     start: [f64; 2],
     value: f64,

@@ -1,8 +1,8 @@
-//! Samplers: how far points, triangles and bicubic patches are apart, measured from control points and
-//! vertices alone.
+//! Samplers: distances between points, triangles and bicubic patches, computed only from control points and
+//! vertices.
 //!
-//! What is found belongs to a sample: it is attained, up to rounding or to a gap that is proved. So a bound
-//! below it is wrong, and a bound above it may still be.
+//! A measured distance is attained at a sample, up to rounding or to a proved gap. So an upper bound below it
+//! is wrong; one above it may be wrong too.
 mod box_tree;
 mod climb;
 mod measure;

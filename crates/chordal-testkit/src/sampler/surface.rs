@@ -1,4 +1,4 @@
-//! The truth: bicubic patches from their control points, and the distance of points from them.
+//! The reference surface: bicubic patches by their control points, and distances of points to them.
 use super::box_tree::{Bounds, BoxTree, around};
 use super::triangles::closest_on_triangle;
 use super::vector::{Point, add, distance, dot, norm, scale, sub};
@@ -6,29 +6,30 @@ use super::vector::{Point, add, distance, dot, norm, scale, sub};
 /// Four rows of four control points; `u` runs along a row, `v` from row to row.
 pub type Control = [[Point; 4]; 4];
 
-/// Patches to which distances are asked.
+/// Patches for distance queries.
 pub struct Surface {
     /// The patches.
     pub patches: Vec<Control>,
     /// The cells of all patches.
     parts: Vec<PatchCell>,
     tree: BoxTree,
-    /// Distances below this are rounding.
+    /// Distances below this may be due to rounding.
     pub floor: f64,
 }
 
-/// A point of the surface that is close to some other point.
+/// A point of the surface close to a query point.
 #[derive(Clone, Copy, Debug)]
 pub struct Foot {
-    /// How far it is from that other point.
+    /// The distance from the query point.
     pub distance: f64,
-    /// Its patch.
+    /// The index of the patch.
     pub patch: usize,
-    /// Its parameters.
+    /// The parameters.
     pub uv: [f64; 2],
 }
 
-/// Cells a side into which each patch is cut for the search; a power of two.
+/// The number of cells along each side of a patch, for the search. Chosen: a power of two, small enough that
+/// most cells are nearly flat.
 const CELLS: usize = 16;
 
 fn weights(t: f64) -> [f64; 4] {
@@ -55,7 +56,7 @@ pub fn evaluate(control: &Control, [u, v]: [f64; 2]) -> Point {
     line(&control.map(|row| line(&row, along)), weights(v))
 }
 
-/// The control points of the middle halves: `[left, right]` of four points.
+/// The control points of both halves of a curve, by de Casteljau's algorithm.
 fn halve(line: [Point; 4]) -> [[Point; 4]; 2] {
     let middle = |a: Point, b: Point| scale(add(a, b), 0.5);
     let [a, b, c, d] = line;
@@ -74,7 +75,7 @@ fn halves_u(c: &Control) -> [Control; 2] {
     [0, 1].map(|k| rows.map(|row| row[k]))
 }
 
-/// The quarters of a patch with the corner of each in the unit square of halves.
+/// The quarters of a patch, each with its lowest parameters.
 pub fn quarters(c: &Control) -> [(Control, [f64; 2]); 4] {
     let [left, right] = halves_u(c);
     let [a, b] = halves_u(&transposed(&left)).map(|h| transposed(&h));
@@ -82,14 +83,14 @@ pub fn quarters(c: &Control) -> [(Control, [f64; 2]); 4] {
     [(a, [0.0, 0.0]), (b, [0.0, 0.5]), (d, [0.5, 0.0]), (e, [0.5, 0.5])]
 }
 
-/// The parts of a patch over `CELLS × CELLS` cells, row by row.
+/// The `CELLS × CELLS` cells of a patch, row by row.
 fn cells(control: &Control) -> Vec<Control> {
     let mut parts = vec![(*control, [0.0, 0.0], 1.0)];
     for _ in 0..CELLS.ilog2() {
-        let cut = |(part, [u, v], side): (Control, [f64; 2], f64)| {
-            quarters(&part).map(|(q, at)| (q, [u + side * at[0], v + side * at[1]], side / 2.0))
+        let split = |(part, [u, v], side): (Control, [f64; 2], f64)| {
+            quarters(&part).map(|(q, corner)| (q, [u + side * corner[0], v + side * corner[1]], side / 2.0))
         };
-        parts = parts.into_iter().flat_map(cut).collect();
+        parts = parts.into_iter().flat_map(split).collect();
     }
     parts.sort_by(|a, b| (a.1[1], a.1[0]).partial_cmp(&(b.1[1], b.1[0])).expect("finite"));
     parts.into_iter().map(|(part, ..)| part).collect()
@@ -99,9 +100,9 @@ fn size(control: &Control) -> f64 {
     control.iter().flatten().map(|p| norm(*p)).fold(0.0, f64::max)
 }
 
-/// How far a part is at most from the two triangles over its corners `[a, b, c]` and `[a, c, d]`: a control
-/// point minus its place on the bilinear surface is a control point of the difference, which stays in their
-/// hull; and a bilinear surface leaves the triangles by a quarter of its twist.
+/// The largest distance of a part from the triangles `[a, b, c]` and `[a, c, d]` of its corners. The
+/// difference to the bilinear surface has the differences of the control points as its control points, and
+/// stays in their hull. The bilinear surface is off the triangles by at most a quarter of its twist.
 fn unevenness(part: &Control) -> f64 {
     let [a, b, c, d] = corners(part);
     let bilinear = |i: usize, j: usize| {
@@ -109,15 +110,15 @@ fn unevenness(part: &Control) -> f64 {
         let lower = add(scale(a, 1.0 - u), scale(b, u));
         add(scale(lower, 1.0 - v), scale(add(scale(d, 1.0 - u), scale(c, u)), v))
     };
-    let off = |n: usize| distance(part[n / 4][n % 4], bilinear(n / 4, n % 4));
-    (0..16).map(off).fold(0.0, f64::max) + 0.25 * norm(sub(add(a, c), add(b, d)))
+    let deviation = |n: usize| distance(part[n / 4][n % 4], bilinear(n / 4, n % 4));
+    (0..16).map(deviation).fold(0.0, f64::max) + 0.25 * norm(sub(add(a, c), add(b, d)))
 }
 
 fn corners(c: &Control) -> [Point; 4] {
     [c[0][0], c[0][3], c[3][3], c[3][0]]
 }
 
-/// The distance of `p` from two triangles over four corners.
+/// The distance of `p` from the two triangles of four corners.
 fn distance_to_corners(p: Point, [a, b, c, d]: [Point; 4]) -> f64 {
     let to = |t| distance(p, closest_on_triangle(p, t));
     to([a, b, c]).min(to([a, c, d]))
@@ -127,7 +128,7 @@ fn distance_to_corners(p: Point, [a, b, c, d]: [Point; 4]) -> f64 {
 struct PatchCell {
     control: Control,
     unevenness: f64,
-    /// So nearly a parallelogram in the plane that a point close by has one foot only.
+    /// Whether the cell is so nearly a planar parallelogram that a point close by has only one foot.
     is_tame: bool,
 }
 
@@ -151,41 +152,42 @@ impl Surface {
     /// The surface of these patches.
     pub fn new(patches: Vec<Control>) -> Self {
         let size = patches.iter().map(size).fold(0.0, f64::max);
-        // Halving rounds by some units in the last place, which the boxes take in.
+        // Subdivision rounds by some units in the last place, which the boxes have to include.
         let slack = 64.0 * f64::EPSILON * size;
-        let wide = |[low, high]: Bounds| [low.map(|x| x - slack), high.map(|x| x + slack)];
+        let widened = |[low, high]: Bounds| [low.map(|x| x - slack), high.map(|x| x + slack)];
         let parts: Vec<PatchCell> = patches.iter().flat_map(cells).map(PatchCell::new).collect();
         let boxes: Vec<Bounds> =
-            parts.iter().map(|part| wide(around(part.control.iter().flatten().copied()))).collect();
+            parts.iter().map(|part| widened(around(part.control.iter().flatten().copied()))).collect();
         Self { tree: BoxTree::new(&boxes), parts, patches, floor: slack }
     }
 
-    /// A foot near the best one. Its distance is an upper bound of the true one: parts of the surface that
-    /// could be nearer are searched from their middle by Newton's method, which finds a local minimum.
+    /// A foot that is probably the nearest. Its distance is an upper bound of the true one: cells that could
+    /// be nearer are searched from their middle by Newton's method, which finds only a local minimum.
     pub fn nearest(&self, p: Point, guess: Option<Foot>) -> Foot {
         let far = Foot { distance: f64::INFINITY, patch: 0, uv: [0.5; 2] };
-        let mut found = guess.map_or(far, |g| self.slide(p, g.patch, g.uv));
-        self.tree.visit(p, found.distance, |item, _| {
+        let mut best = guess.map_or(far, |g| self.slide(p, g.patch, g.uv));
+        self.tree.visit(p, best.distance, |item, _| {
             let part = &self.parts[item];
-            if part.distance_below(p) >= found.distance {
-                return found.distance;
+            if part.distance_below(p) >= best.distance {
+                return best.distance;
             }
             let (patch, [u, v]) = corner_of(item);
             let middle = [u + 0.5 / CELLS as f64, v + 0.5 / CELLS as f64];
-            let inside = (0..2).all(|k| (found.uv[k] - middle[k]).abs() < 0.5 / CELLS as f64);
-            if part.is_tame && inside && found.patch == patch && found.distance.is_finite() {
-                return found.distance;
+            let inside = (0..2).all(|k| (best.uv[k] - middle[k]).abs() < 0.5 / CELLS as f64);
+            if part.is_tame && inside && best.patch == patch && best.distance.is_finite() {
+                return best.distance;
             }
             let next = self.slide(p, patch, middle);
-            if next.distance < found.distance {
-                found = next;
+            if next.distance < best.distance {
+                best = next;
             }
-            found.distance
+            best.distance
         });
-        found
+        best
     }
 
-    /// Newton's method on the squared distance within the unit square, damped where it does not descend.
+    /// Newton's method on the squared distance within the unit square, with damping if a step does not
+    /// descend.
     pub fn slide(&self, p: Point, patch: usize, uv: [f64; 2]) -> Foot {
         let control = &self.patches[patch];
         let mut foot = Foot { distance: distance(evaluate(control, uv), p), patch, uv };
@@ -193,17 +195,17 @@ impl Surface {
         for _ in 0..24 {
             let Some(step) = newton_step(control, p, foot.uv, damping) else { break };
             let uv = [0, 1].map(|k| (foot.uv[k] + step[k]).clamp(0.0, 1.0));
-            let away = distance(evaluate(control, uv), p);
-            if away < foot.distance {
-                let gain = foot.distance - away;
-                foot = Foot { distance: away, patch, uv };
+            let next = distance(evaluate(control, uv), p);
+            if next < foot.distance {
+                let gain = foot.distance - next;
+                foot = Foot { distance: next, patch, uv };
                 damping *= 0.1;
-                // Below the gap of a proof by far.
-                if gain <= 1e-7 * away {
+                // Chosen: far below the gap of a proof.
+                if gain <= 1e-7 * next {
                     break;
                 }
             } else {
-                // Below 1e-3 of the trace a damping changes nothing; above 1e6 the step has become nothing.
+                // Damping below 1e-3 of the trace has no effect; above 1e6 the step vanishes.
                 damping = if damping == 0.0 { 1e-2 } else { damping * 16.0 };
                 if damping > 1e6 || uv == foot.uv {
                     break;
@@ -213,7 +215,7 @@ impl Surface {
         foot
     }
 
-    /// Looks for a point of the surface nearer to `p` than `goal`, by branch and bound over quarters of the
+    /// Searches for a point of the surface nearer to `p` than `goal`, by branch and bound over quarters of
     /// cells.
     fn search(&self, p: Point, goal: f64) -> SearchAnswer {
         let mut answer = SearchAnswer::Beyond;
@@ -224,23 +226,23 @@ impl Surface {
                 CellAnswer::Nearer(uv) => answer = SearchAnswer::Nearer(self.slide(p, corner_of(item).0, uv)),
                 CellAnswer::Undecided => answer = SearchAnswer::Undecided,
             }
-            // Nothing more is to be visited.
+            // A best distance of 0 ends the search.
             0.0
         });
         answer
     }
 
-    /// A foot whose distance is at most the part `gap` above the true one, which branch and bound proves;
-    /// `None` where its effort does not suffice. Below the floor there is nothing to prove.
+    /// A foot whose distance is proved to exceed the true one by at most the share `gap`, by branch and
+    /// bound; `None` if the effort does not suffice. Distances below the floor need no proof.
     pub fn proved_nearest(&self, p: Point, guess: Option<Foot>, gap: f64) -> Option<Foot> {
-        let mut found = self.nearest(p, guess);
+        let mut best = self.nearest(p, guess);
         for _ in 0..64 {
-            if found.distance <= self.floor {
-                return Some(found);
+            if best.distance <= self.floor {
+                return Some(best);
             }
-            match self.search(p, found.distance * (1.0 - gap)) {
-                SearchAnswer::Beyond => return Some(found),
-                SearchAnswer::Nearer(foot) => found = foot,
+            match self.search(p, best.distance * (1.0 - gap)) {
+                SearchAnswer::Beyond => return Some(best),
+                SearchAnswer::Nearer(foot) => best = foot,
                 SearchAnswer::Undecided => break,
             }
         }
@@ -254,7 +256,7 @@ fn corner_of(item: usize) -> (usize, [f64; 2]) {
     (patch, [cell % CELLS, cell / CELLS].map(|c| c as f64 / CELLS as f64))
 }
 
-/// The search in one cell, given with its lowest parameters, for a point nearer to `p` than `goal`.
+/// Searches a cell for a point nearer to `p` than `goal`; `at` are the lowest parameters of the cell.
 fn search_part(cell: &Control, at: [f64; 2], p: Point, goal: f64, effort: &mut u32) -> CellAnswer {
     let mut stack = vec![(*cell, at, 1.0 / CELLS as f64)];
     while let Some((part, [u, v], side)) = stack.pop() {
@@ -274,41 +276,44 @@ fn search_part(cell: &Control, at: [f64; 2], p: Point, goal: f64, effort: &mut u
     CellAnswer::Beyond
 }
 
-/// What a search in one cell came to.
+/// The result of a search in one cell.
 enum CellAnswer {
     Beyond,
-    /// There is one at these parameters.
+    /// A nearer point has these parameters.
     Nearer([f64; 2]),
     Undecided,
 }
 
-/// What a search for a nearer point came to.
+/// The result of a search for a nearer point.
 enum SearchAnswer {
-    /// Proved: there is none.
+    /// It is proved that there is none.
     Beyond,
-    /// One is there; the foot is near it.
+    /// There is one; the foot is near it.
     Nearer(Foot),
     /// The effort did not suffice.
     Undecided,
 }
 
 fn newton_step(control: &Control, p: Point, [u, v]: [f64; 2], damping: f64) -> Option<[f64; 2]> {
-    // Each row at u, once for the value and twice for its derivatives; then all of them along v.
+    // Every row at u, with its value and two derivatives; then these along v.
     let rows = [weights(u), slopes(u), bends(u)].map(|w| control.map(|row| line(&row, w)));
     let (wv, sv) = (weights(v), slopes(v));
-    let away = sub(line(&rows[0], wv), p);
+    let offset = sub(line(&rows[0], wv), p);
     let (du, dv) = (line(&rows[1], wv), line(&rows[0], sv));
-    let gradient = [dot(away, du), dot(away, dv)];
-    // Against a wall of the unit square only what leads away from it counts.
+    let gradient = [dot(offset, du), dot(offset, dv)];
+    // A parameter on the border of the unit square is fixed if the descent would leave the square.
     let free =
         [(u, gradient[0]), (v, gradient[1])].map(|(t, g)| !((t <= 0.0 && g > 0.0) || (t >= 1.0 && g < 0.0)));
     let first = [dot(du, du), dot(du, dv), dot(dv, dv)];
-    let second =
-        [dot(away, line(&rows[2], wv)), dot(away, line(&rows[1], sv)), dot(away, line(&rows[0], bends(v)))];
+    let second = [
+        dot(offset, line(&rows[2], wv)),
+        dot(offset, line(&rows[1], sv)),
+        dot(offset, line(&rows[0], bends(v))),
+    ];
     let full: [f64; 3] = std::array::from_fn(|k| first[k] + second[k]);
     let definite = |h: &[f64; 3]| h[0] > 0.0 && h[2] > 0.0 && h[0] * h[2] - h[1] * h[1] > 0.0;
     let hessian = if definite(&full) { full } else { first };
-    // Some tens of roundings of the trace, so that it can be divided by.
+    // At least some tens of roundings of the trace, so that the determinant is not zero.
     let lift = (damping + 1e-14) * (first[0] + first[2]);
     let [a, b, d] = [hessian[0] + lift, hessian[1], hessian[2] + lift];
     match free {

@@ -1,4 +1,4 @@
-//! Three numbers and what is done with them, in plain arithmetic.
+//! Vectors of three numbers, in plain arithmetic.
 
 /// A point or a vector.
 pub type Point = [f64; 3];
@@ -18,12 +18,12 @@ pub fn scale(a: Point, s: f64) -> Point {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
-/// The inner product.
+/// The dot product.
 pub fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The product across both.
+/// The cross product.
 pub fn cross(a: Point, b: Point) -> Point {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -33,7 +33,7 @@ pub fn norm(a: Point) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The length between two points.
+/// The distance between two points.
 pub fn distance(a: Point, b: Point) -> f64 {
     norm(sub(a, b))
 }

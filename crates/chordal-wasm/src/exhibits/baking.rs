@@ -1,6 +1,6 @@
-//! A mesh baked to a grid and back: two bounds that add up, and what is measured.
+//! A mesh baked to a grid and back: two bounds that add up, and the measured error.
 use super::answer::ExhibitAnswer;
-use super::plane::told;
+use super::plane::or_text;
 use super::request::ExhibitRequest;
 use super::shapes;
 use chordal::check::{Goal, deviation, vertex_deviation, zero_set_deviation};
@@ -10,45 +10,46 @@ use serde_json::{Value, json};
 
 /// Cells along the longest side.
 const CELLS: [f64; 2] = [6.0, 36.0]; // defined: what the slider offers
-/// Fractions of a cell that a proof is tried for, as `chordal bake --bound` does.
-const TRIED: [f64; 7] = [0.25, 0.5, 0.875, 1.25, 2.0, 4.0, 8.0]; // chosen
+/// Fractions of a cell that a proof is tried with, as `chordal bake --bound` does.
+const TRIED: [f64; 7] = [0.25, 0.5, 0.875, 1.25, 2.0, 4.0, 8.0]; // chosen: more would hardly help
 const GOAL: Goal = Goal { relative: 0.02, absolute: None, max: None }; // chosen: two digits are shown
 
 /// Answers `{"shape": "cylinder", "cells": 16}`: the mesh, the mesh of its grid, and how far they are apart.
-pub(super) fn baking(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["shape", "cells"])?;
-    let name = asked.word("shape", &["cylinder", "cube"])?;
-    let cells = asked.number("cells", CELLS)?.round() as usize;
+pub(super) fn baking(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["shape", "cells"])?;
+    let name = request.word("shape", &["cylinder", "cube"])?;
+    let cells = request.number("cells", CELLS)?.round() as usize;
     let mesh = tilted(&shapes::by_name(name)?)?;
     let job = Job::default();
-    let baked = told(mesh_to_grid(&mesh, cells, None, &job))?;
+    let baked = or_text(mesh_to_grid(&mesh, cells, None, &job))?;
     let cell = baked.grid.affine().rows()[0][0];
-    let mut there = None;
+    let mut grid_bound = None;
     for part in TRIED {
-        there = told(zero_set_deviation(&mesh, &baked.grid, told(Tolerance::new(part * cell))?, &job))?;
-        if there.is_some() {
+        grid_bound =
+            or_text(zero_set_deviation(&mesh, &baked.grid, or_text(Tolerance::new(part * cell))?, &job))?;
+        if grid_bound.is_some() {
             break;
         }
     }
-    let back = told(grid_to_mesh(&baked.grid, &Polygonize::below(0.0), None, &job))?;
-    let both = there.as_ref().map(|bound| bound.then(&back.bound));
-    let found = told(deviation(&mesh, &back.shape, &GOAL, &job))?;
-    let off = told(vertex_deviation(&back.shape, &mesh, &job))?;
-    let worst = *found.worst();
+    let back = or_text(grid_to_mesh(&baked.grid, &Polygonize::below(0.0), None, &job))?;
+    let sum = grid_bound.as_ref().map(|bound| bound.then(&back.bound));
+    let measured = or_text(deviation(&mesh, &back.shape, &GOAL, &job))?;
+    let distances = or_text(vertex_deviation(&back.shape, &mesh, &job))?;
+    let worst = *measured.worst();
     let mut answer = ExhibitAnswer::default();
     let [before, after] = [&mesh, &back.shape].map(|mesh| answer.mesh(mesh));
     answer.facts = json!({
         "mesh": before,
         "back": after,
-        "off": answer.floats(&off),
+        "off": answer.floats(&distances),
         "cell": cell,
         "samples": baked.grid.samples().len(),
         "triangles": [mesh.faces().len(), back.shape.faces().len()],
-        "there": at_most(there.as_ref()),
+        "there": at_most(grid_bound.as_ref()),
         "home": at_most(Some(&back.bound)),
-        "bound": at_most(both.as_ref()),
-        "measured": found.bound.at_most(),
-        "measured_at_least": found.bound.at_least(),
+        "bound": at_most(sum.as_ref()),
+        "measured": measured.bound.at_most(),
+        "measured_at_least": measured.bound.at_least(),
         "worst": [worst.from, worst.to],
     });
     Ok(answer)
@@ -58,14 +59,14 @@ fn at_most(bound: Option<&Bound>) -> Option<Value> {
     bound.and_then(Bound::at_most).map(Value::from)
 }
 
-/// Turned, so that no face lies along the lattice.
+/// Rotates a mesh, so that no face is parallel to the lattice.
 fn tilted(mesh: &Mesh) -> Result<Mesh, String> {
     let [(s, c), (t, d)] = [0.4, 0.5].map(chordal::math::elementary::sin_cos); // chosen: by eye
     let turn = |[x, y, z]: &[f64; 3]| {
         let [x, y] = [c * x - s * y, s * x + c * y];
         [x, d * y - t * z, t * y + d * z]
     };
-    shapes::made(mesh.positions().iter().map(turn).collect(), mesh.faces().to_vec())
+    shapes::mesh_from(mesh.positions().iter().map(turn).collect(), mesh.faces().to_vec())
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Bernstein's four weights and the hull: de Casteljau's construction at one parameter.
+//! The four Bernstein weights and the convex hull: de Casteljau's construction at one parameter.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use chordal::Bezier;
@@ -6,19 +6,19 @@ use chordal::explicit::parametric::bernstein as weights_at;
 use chordal::math::exact::{PointInTriangle, triangle_contains};
 use serde_json::{Value, json};
 
-/// The parameters that may be asked for: a tenth beyond both ends, where weights become negative and the construction is
-/// still in the picture.
+/// The range of the parameter. Chosen: a tenth beyond both ends, where weights are negative and the
+/// construction is still in the picture.
 const RANGE: [f64; 2] = [-0.1, 1.1];
-/// Steps of the graphs of the weights: 60 of them are 0.02 wide.
+/// The steps of the graphs of the weights. Chosen: each is 0.02 wide.
 const STEPS: u32 = 60;
 
 /// Answers `{"control": [[x, y] × 4], "t": 0.4}`: the weights, the levels of the construction, both parts,
 /// and whether the point lies in the hull.
-pub(super) fn bernstein(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["control", "t"])?;
-    let control = asked.points::<2>("control", [4, 4])?;
+pub(super) fn bernstein(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["control", "t"])?;
+    let control = request.points::<2>("control", [4, 4])?;
     let curve = Bezier { control: [control[0], control[1], control[2], control[3]] };
-    let t = asked.number("t", RANGE)?;
+    let t = request.number("t", RANGE)?;
     let weights = weights_at(t);
     let levels = curve.de_casteljau(t);
     let graphs: Vec<[f64; 4]> = (0..=STEPS)
@@ -43,8 +43,8 @@ pub(super) fn bernstein(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String>
     Ok(answer)
 }
 
-/// The hull of four points of the plane is the union of the triangles of any three of them (C. Carathéodory,
-/// 1911).
+/// Whether a point is in the hull of four points, which is the union of the triangles of any three of them
+/// (C. Carathéodory, 1911).
 fn is_in_hull(control: [[f64; 2]; 4], point: [f64; 2]) -> bool {
     [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
         .into_iter()
@@ -55,7 +55,7 @@ fn is_in_hull(control: [[f64; 2]; 4], point: [f64; 2]) -> bool {
 mod tests {
     use super::*;
 
-    fn asked(t: f64) -> Value {
+    fn facts_at(t: f64) -> Value {
         let question =
             format!(r#"{{"exhibit": "bernstein", "control": [[0, 0], [0, 4], [4, 4], [4, 0]], "t": {t}}}"#);
         bernstein(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
@@ -64,18 +64,18 @@ mod tests {
     #[test]
     fn between_the_ends_no_weight_is_negative_and_the_point_stays_in_the_hull() {
         for i in 0..=100 {
-            let facts = asked(f64::from(i) / 100.0);
+            let facts = facts_at(f64::from(i) / 100.0);
             assert!(
                 facts["smallest"].as_f64().unwrap() >= 0.0 && facts["is_in_hull"] == json!(true),
                 "{facts}"
             );
             assert!((facts["sum"].as_f64().unwrap() - 1.0).abs() <= f64::EPSILON);
         }
-        assert_eq!(asked(0.5)["point"], json!([2.0, 3.0]));
-        assert_eq!(asked(0.5)["weights"], json!([0.125, 0.375, 0.375, 0.125]));
-        // Beyond them one is, and the sum is still one.
+        assert_eq!(facts_at(0.5)["point"], json!([2.0, 3.0]));
+        assert_eq!(facts_at(0.5)["weights"], json!([0.125, 0.375, 0.375, 0.125]));
+        // Beyond the ends one is negative, and the sum is still one.
         for t in [-0.1, -0.05, 1.05, 1.1] {
-            let facts = asked(t);
+            let facts = facts_at(t);
             assert!(
                 facts["smallest"].as_f64().unwrap() < 0.0 && facts["is_in_hull"] == json!(false),
                 "{facts}"

@@ -1,6 +1,6 @@
-//! Budget against triangles, for every representation.
+//! The number of triangles by budget, for every representation.
 use super::answer::ExhibitAnswer;
-use super::plane::{once, told};
+use super::plane::{once, or_text};
 use super::request::ExhibitRequest;
 use super::shapes;
 use chordal::check::{Goal, deviation};
@@ -20,158 +20,160 @@ use serde_json::{Value, json};
 use std::sync::OnceLock;
 
 /// The lengths, each half of the one before.
-const FIRST: f64 = 0.125; // chosen: an eighth
+const FIRST: f64 = 0.125; // chosen: coarse enough for few triangles
 const HALVINGS: usize = 5; // chosen: all of them take about a second in a browser
-/// The names of what is meshed, in this order.
+/// The names of the representations, in this order.
 const NAMES: [&str; 7] = ["curve", "patch", "cage", "field", "nurbs", "volume", "mesh"];
-/// The torus that is written down in four ways, 3 units wide: the radius of its ring and that of its tube.
-const TORUS: [f64; 2] = [1.1, 0.4]; // chosen: one twice as large takes a page's processor twice as long
+/// The torus in four representations, 3 units wide: the radii of its ring and of its tube.
+const TORUS: [f64; 2] = [1.1, 0.4]; // chosen: one twice as large takes a page twice as long
 /// Cells of the volume along its longest side.
-const CELLS: usize = 24; // chosen: it is off the torus by a length in the middle of the axis
-/// What the mesh was made to, once, from the torus.
+const CELLS: usize = 24; // chosen: its error is a length in the middle of the axis
+/// The tolerance of the mesh that is simplified.
 const MADE_TO: f64 = 0.0125; // chosen: a length in the middle of the axis, and none of those on it
-/// What stands for the torus where a mesh is measured against it.
-const CLOSE: f64 = 0.125 / 64.0; // chosen: a tenth of what is measured
-/// How much finer measured errors are enclosed.
+/// The tolerance of the mesh that represents the torus in measurements.
+const CLOSE: f64 = 0.125 / 64.0; // chosen: a tenth of the measured errors
+/// The relative gap of measured errors.
 const GOAL: Goal = Goal { relative: 0.1, absolute: None, max: None }; // chosen: one digit is shown
 
-/// A length, and the segments or triangles that it took with the bound that they have; none where the source is farther off
-/// than that.
+/// A length, the number of segments or triangles for it, and their bound; `None` if the error of the source
+/// exceeds the length.
 type Step = (f64, Option<usize>, Option<f64>);
 
-/// What one way of writing a shape down takes at every length.
+/// The steps of one representation.
 struct Series {
     steps: Vec<Step>,
-    /// How far the source itself is from the shape that it was made from, at most; 0 where it is the shape.
+    /// The largest distance of the source from the shape that it represents; 0 if it is the shape.
     source_off: f64,
 }
 
-/// Answers `{"shape": "patch", "step": 3}`: what each takes at every length, and how steeply that grows over all of them.
-pub(super) fn budget(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["shape", "step"])?;
-    let shape = asked.word("shape", &NAMES)?;
-    let step = asked.number("step", [0.0, (HALVINGS - 1) as f64])? as usize;
-    let all = all()?;
-    let chosen = &all[NAMES.iter().position(|name| *name == shape).unwrap_or(0)];
-    let [(length, few, bound), (_, many, _)] = [chosen.steps[step], chosen.steps[step + 1]];
-    let had: Vec<f64> = chosen.steps.iter().filter_map(|(_, count, _)| count.map(|n| n as f64)).collect();
-    let halvings = (had.len() - 1) as f64;
+/// Answers `{"shape": "patch", "step": 3}`: the numbers of triangles of each representation at every length,
+/// and the slope of their growth.
+pub(super) fn budget(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["shape", "step"])?;
+    let shape = request.word("shape", &NAMES)?;
+    let step = request.number("step", [0.0, (HALVINGS - 1) as f64])? as usize;
+    let all_series = all_series()?;
+    let chosen = &all_series[NAMES.iter().position(|name| *name == shape).unwrap_or(0)];
+    let [(length, count, bound), (_, next_count, _)] = [chosen.steps[step], chosen.steps[step + 1]];
+    let counts: Vec<f64> = chosen.steps.iter().filter_map(|(_, count, _)| count.map(|n| n as f64)).collect();
+    let halvings = (counts.len() - 1) as f64;
     let series: Vec<Value> = NAMES
         .iter()
-        .zip(all)
-        .map(|(name, of)| json!({ "name": name, "steps": of.steps, "source_off": of.source_off }))
+        .zip(all_series)
+        .map(|(name, series)| json!({ "name": name, "steps": series.steps, "source_off": series.source_off }))
         .collect();
     Ok(ExhibitAnswer::new(json!({
         "series": series,
-        "count": few,
+        "count": count,
         "length": length,
         "bound": bound,
         "source_off": chosen.source_off,
-        "times": few.zip(many).map(|(few, many)| many as f64 / few as f64),
-        // A negative zero is none.
-        "slope": 0.0 - ln(had[had.len() - 1] / had[0]) / (halvings * ln(2.0)),
+        "times": count.zip(next_count).map(|(count, next_count)| next_count as f64 / count as f64),
+        // Turns −0 into 0.
+        "slope": 0.0 - ln(counts[counts.len() - 1] / counts[0]) / (halvings * ln(2.0)),
     })))
 }
 
-fn all() -> Result<&'static [Series; 7], String> {
+fn all_series() -> Result<&'static [Series; 7], String> {
     static MADE: OnceLock<[Series; 7]> = OnceLock::new();
     once(&MADE, || {
-        let whole = |make: fn(&Budget) -> Counted| {
+        let exact = |make: fn(&Budget) -> Counted| {
             Ok::<_, String>(Series { steps: steps(0.0, make)?, source_off: 0.0 })
         };
-        Ok([whole(curve)?, whole(patch)?, whole(cage)?, whole(field)?, whole(nurbs)?, volume()?, mesh()?])
+        Ok([exact(curve)?, exact(patch)?, exact(cage)?, exact(field)?, exact(nurbs)?, volume()?, mesh()?])
     })
 }
 
 /// A number of segments or triangles, and their bound.
 type Counted = Result<(usize, Option<f64>), String>;
 
-/// All lengths for a source that has lost something already: what is left may be lost by the mesh.
+/// The steps of a source with an error of its own: the mesh may use the remaining length.
 fn steps(source_off: f64, make: impl Fn(&Budget) -> Counted) -> Result<Vec<Step>, String> {
     let mut length = FIRST;
-    let mut all = Vec::new();
+    let mut steps = Vec::new();
     for _ in 0..=HALVINGS {
         let left = length - source_off;
         if left > 0.0 {
             let (count, bound) = make(&within(left)?)?;
-            all.push((length, Some(count), bound.map(|bound| bound + source_off)));
+            steps.push((length, Some(count), bound.map(|bound| bound + source_off)));
         } else {
-            all.push((length, None, None));
+            steps.push((length, None, None));
         }
         length *= 0.5;
     }
-    Ok(all)
+    Ok(steps)
 }
 
 fn within(length: f64) -> Result<Budget, String> {
-    Ok(Budget::length(told(Tolerance::new(length))?))
+    Ok(Budget::length(or_text(Tolerance::new(length))?))
 }
 
-/// The curve that the widget begins with, 8 units wide.
+/// The curve that the page shows first, 8 units wide.
 fn curve(budget: &Budget) -> Counted {
     let curve = Bezier { control: [[0.0, 0.0], [2.0, 6.0], [6.0, 6.0], [8.0, 0.0]] };
-    let made = told(curve_to_polyline(&Curve::from(curve), budget, &Job::default()))?;
-    Ok((made.shape.n_segments(), made.bound.at_most()))
+    let polyline = or_text(curve_to_polyline(&Curve::from(curve), budget, &Job::default()))?;
+    Ok((polyline.shape.n_segments(), polyline.bound.at_most()))
 }
 
 /// The teapot, 6.4 units wide.
 fn patch(budget: &Budget) -> Counted {
-    let made = told(patches_to_mesh(&shapes::teapot(), budget, &Job::default()))?;
-    Ok((made.shape.faces().len(), made.bound.at_most()))
+    let mesh = or_text(patches_to_mesh(&shapes::teapot(), budget, &Job::default()))?;
+    Ok((mesh.shape.faces().len(), mesh.bound.at_most()))
 }
 
 /// The cube of edge 4 as a Catmull–Clark cage.
 fn cage(budget: &Budget) -> Counted {
     let cube = shapes::cube()?;
     let corners = cube.positions().iter().map(|p| p.map(|x| 2.0 * x)).collect();
-    let cage = told(Cage::new(corners, shapes::CUBE))?;
-    let made = told(cage_to_mesh(&cage, budget, &Job::default()))?;
-    Ok((made.shape.faces().len(), made.bound.at_most()))
+    let cage = or_text(Cage::new(corners, shapes::CUBE))?;
+    let mesh = or_text(cage_to_mesh(&cage, budget, &Job::default()))?;
+    Ok((mesh.shape.faces().len(), mesh.bound.at_most()))
 }
 
 fn ring() -> Result<Field, String> {
-    told(torus(TORUS[0], TORUS[1]))
+    or_text(torus(TORUS[0], TORUS[1]))
 }
 
 /// The torus as a field.
 fn field(budget: &Budget) -> Counted {
-    let made = told(field_to_mesh(&ring()?, budget, &Job::default()))?;
-    Ok((made.shape.faces().len(), made.bound.at_most()))
+    let mesh = or_text(field_to_mesh(&ring()?, budget, &Job::default()))?;
+    Ok((mesh.shape.faces().len(), mesh.bound.at_most()))
 }
 
 /// The torus as a rational surface of degree 2, which is exact.
 fn nurbs(budget: &Budget) -> Counted {
-    let made = nurbs_mesh(budget)?;
-    Ok((made.shape.faces().len(), made.bound.at_most()))
+    let mesh = nurbs_mesh(budget)?;
+    Ok((mesh.shape.faces().len(), mesh.bound.at_most()))
 }
 
 fn nurbs_mesh(budget: &Budget) -> Result<Bounded<Mesh>, String> {
-    let surface = told(NurbsSurface::torus(TORUS[0], TORUS[1]))?;
-    told(nurbs_to_mesh(&[surface], budget, &Job::default()))
+    let surface = or_text(NurbsSurface::torus(TORUS[0], TORUS[1]))?;
+    or_text(nurbs_to_mesh(&[surface], budget, &Job::default()))
 }
 
-/// The torus as samples on a lattice. They have one mesh, that of their cells; smaller cells would follow the surface
-/// between the samples, which is not the torus.
+/// The torus as samples on a lattice. They have only the mesh of their cells: smaller cells would approximate
+/// the interpolant instead of the torus.
 fn volume() -> Result<Series, String> {
     let ring = ring()?;
     let lattice = Lattice::around(&ring.bounds(), CELLS, 1).ok_or("the torus has no lattice")?;
-    let grid = told(field_to_grid(&ring, &lattice, None, &Job::default()))?;
-    // How far it is from the surface between the samples is of no use here, and any length is allowed for it.
+    let grid = or_text(field_to_grid(&ring, &lattice, None, &Job::default()))?;
+    // The distance to the interpolant does not matter here, so any length is allowed.
     let cells =
-        told(grid_to_mesh(&grid, &Polygonize::below(0.0), Some(&within(TORUS[0])?), &Job::default()))?.shape;
+        or_text(grid_to_mesh(&grid, &Polygonize::below(0.0), Some(&within(TORUS[0])?), &Job::default()))?
+            .shape;
     let truth = nurbs_mesh(&within(CLOSE)?)?;
-    let found = told(deviation(&cells, &truth.shape, &GOAL, &Job::default()))?.bound.then(&truth.bound);
-    let source_off = found.at_most().ok_or("the samples have no bound")?;
+    let bound = or_text(deviation(&cells, &truth.shape, &GOAL, &Job::default()))?.bound.then(&truth.bound);
+    let source_off = bound.at_most().ok_or("the samples have no bound")?;
     Ok(Series { steps: steps(source_off, |_| Ok((cells.faces().len(), Some(0.0))))?, source_off })
 }
 
-/// The torus as triangles, of which as many are taken away as each length allows.
+/// The torus as triangles, simplified as far as each length allows.
 fn mesh() -> Result<Series, String> {
-    let made = nurbs_mesh(&within(MADE_TO)?)?;
-    let source_off = made.bound.at_most().unwrap_or(MADE_TO);
+    let torus = nurbs_mesh(&within(MADE_TO)?)?;
+    let source_off = torus.bound.at_most().unwrap_or(MADE_TO);
     let steps = steps(source_off, |budget| {
-        let less = told(simplify(&made.shape, budget, Topology::Indices, &Job::default()))?;
-        Ok((less.shape.mesh.faces().len(), less.bound.at_most()))
+        let simplified = or_text(simplify(&torus.shape, budget, Topology::Indices, &Job::default()))?;
+        Ok((simplified.shape.mesh.faces().len(), simplified.bound.at_most()))
     })?;
     Ok(Series { steps, source_off })
 }

@@ -1,7 +1,7 @@
-//! Catmull–Clark: a cage, its rounds, its limit surface, and how far each round is from it.
+//! Catmull–Clark: a cage, its rounds of subdivision, its limit surface, and the error of each round.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
-use super::shapes::{from_quads, made};
+use super::shapes::{from_quads, mesh_from};
 use chordal::check::vertex_deviation;
 use chordal::explicit::{Cage, InvalidCage};
 use chordal::{Job, Mesh};
@@ -9,26 +9,26 @@ use serde_json::json;
 
 /// Rounds.
 const LEVELS: [f64; 2] = [0.0, 5.0];
-/// The sharpness of the crease: rounds for which its edges follow the rule of a crease.
+/// The sharpness of the crease: the rounds in which its edges follow the rule of creases.
 const SHARPNESS: [f64; 2] = [0.0, 6.0];
-/// Steps along each side of a sheet of the limit surface: at 6174 points its distance is measured.
+/// Steps along each side of a sheet of the limit surface. Chosen: the distance is measured at 6174 points.
 const STEPS: u32 = 20;
 /// The edges that are creased: the rim of the foot.
 const RIM: [[u32; 2]; 4] = [[0, 1], [1, 2], [2, 3], [3, 0]];
 
-/// Answers `{"level": 2, "sharpness": 1.5}`: the cage, its polygons after so many rounds, its limit surface,
-/// and for this round and those before it how far the farthest point of that surface is from the triangles.
-pub(super) fn cage(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["level", "sharpness"])?;
-    let level = asked.number("level", LEVELS)? as u32;
-    let sharpness = asked.number("sharpness", SHARPNESS)?;
-    let told = |error: InvalidCage| error.to_string();
-    let cage = bottle(sharpness).map_err(told)?;
+/// Answers `{"level": 2, "sharpness": 1.5}`: the cage, its polygons after `level` rounds, its limit surface,
+/// and for each round so far the distance of the farthest point of the limit surface.
+pub(super) fn cage(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["level", "sharpness"])?;
+    let level = request.number("level", LEVELS)? as u32;
+    let sharpness = request.number("sharpness", SHARPNESS)?;
+    let text = |error: InvalidCage| error.to_string();
+    let cage = bottle(sharpness).map_err(text)?;
     let job = Job::default();
     let mut errors: Vec<f64> = Vec::new();
     let mut rounds = vec![cage.clone()];
     for _ in 0..level {
-        let next = rounds[rounds.len() - 1].refined_times(1).map_err(told)?;
+        let next = rounds[rounds.len() - 1].refined_times(1).map_err(text)?;
         rounds.push(next);
     }
     let (limit, normals) = limit_mesh(&cage)?;
@@ -69,14 +69,14 @@ pub(super) fn cage(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
 
 /// A bottle: a foot, a shoulder and a neck, of 14 quads.
 fn bottle(sharpness: f64) -> Result<Cage, InvalidCage> {
-    // Half widths and heights of its storeys.
-    let storeys = [(1.2, -1.6), (1.2, 0.1), (0.55, 0.7), (0.65, 1.8)];
+    // Half width and height of each ring of vertices.
+    let rings = [(1.2, -1.6), (1.2, 0.1), (0.55, 0.7), (0.65, 1.8)];
     let corner =
         |(half, z): (f64, f64)| [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
-    let positions: Vec<[f64; 3]> = storeys.into_iter().flat_map(corner).collect();
+    let positions: Vec<[f64; 3]> = rings.into_iter().flat_map(corner).collect();
     let mut faces = vec![vec![3, 2, 1, 0], vec![12, 13, 14, 15]];
-    for storey in 0..3 {
-        let low = 4 * storey;
+    for ring in 0..3 {
+        let low = 4 * ring;
         faces.extend((0..4).map(|i| {
             let next = (i + 1) % 4;
             vec![low + i, low + next, low + 4 + next, low + 4 + i]
@@ -89,7 +89,7 @@ fn bottle(sharpness: f64) -> Result<Cage, InvalidCage> {
 /// Two triangles for each quad.
 fn triangles(cage: &Cage) -> Result<Mesh, String> {
     let quads: Vec<[u32; 4]> = cage.faces().map(|f| [f[0], f[1], f[2], f[3]]).collect();
-    made(cage.positions().to_vec(), from_quads(&quads))
+    mesh_from(cage.positions().to_vec(), from_quads(&quads))
 }
 
 /// The ends of each edge, once.
@@ -97,24 +97,23 @@ fn edges_of(cage: &Cage) -> Vec<[f64; 3]> {
     let at = |row: u32| cage.positions()[row as usize];
     let sides =
         cage.faces().flat_map(|face| (0..face.len()).map(move |i| [face[i], face[(i + 1) % face.len()]]));
-    // Its surface is closed: the other face has the edge the other way round.
+    // The surface is closed, so each edge occurs once in each direction.
     sides.filter(|[a, b]| a < b).flat_map(|[a, b]| [at(a), at(b)]).collect()
 }
 
 /// Points of the limit surface with its normals, sheet by sheet.
 fn limit_mesh(cage: &Cage) -> Result<(Mesh, Vec<[f64; 3]>), String> {
-    let told = |error: InvalidCage| error.to_string();
-    let limit = cage.limit().map_err(told)?;
+    let text = |error: InvalidCage| error.to_string();
+    let limit = cage.limit().map_err(text)?;
     let (mut positions, mut normals, mut quads) = (Vec::new(), Vec::new(), Vec::new());
     for sheet in 0..limit.n_sheets() {
-        let (sheet, start) = (limit.sheet(sheet).map_err(told)?, positions.len() as u32);
+        let (sheet, start) = (limit.sheet(sheet).map_err(text)?, positions.len() as u32);
         for i in 0..=STEPS {
             for j in 0..=STEPS {
                 let [u, v] = [j, i].map(|i| f64::from(i) / f64::from(STEPS));
-                let jet = sheet.at(u, v).map_err(told)?;
+                let jet = sheet.at(u, v).map_err(text)?;
                 positions.push(jet.point);
-                // Only a point at the end of a crease has none, and then its neighbours' light is near
-                // enough.
+                // Only the end of a crease has no normal; the light of its neighbours hides that.
                 normals.push(jet.normal.unwrap_or_default());
             }
         }
@@ -125,7 +124,7 @@ fn limit_mesh(cage: &Cage) -> Result<(Mesh, Vec<[f64; 3]>), String> {
             }
         }
     }
-    Ok((made(positions, from_quads(&quads))?, normals))
+    Ok((mesh_from(positions, from_quads(&quads))?, normals))
 }
 
 #[cfg(test)]

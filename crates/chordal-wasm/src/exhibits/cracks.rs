@@ -1,8 +1,8 @@
-//! Two patches side by side: cut by numbers of their own they crack, cut once along the shared side they do
+//! Two adjacent patches: tessellated separately they crack, tessellated once along the shared side they do
 //! not.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
-use super::shapes::made;
+use super::shapes::mesh_from;
 use chordal::budget::View;
 use chordal::budget::camera::{Camera, Projection, Screen};
 use chordal::check::curves::{distance_to_polyline, largest_gap};
@@ -14,31 +14,30 @@ use chordal::math::Box3;
 use chordal::{Budget, Job, Mesh, Patch, Tolerance};
 use serde_json::json;
 
-/// How many segments a side may have.
+/// The range of the segments of a side.
 const COUNTS: [f64; 2] = [1.0, 16.0];
-/// The picture in which a crack is so many pixels wide: the figure's own size before it is measured, and its
-/// lens.
+/// The picture in which a crack is measured in pixels: the initial size and the lens of the figure.
 const SCREEN: Screen = Screen { width_px: 720, height_px: 480 };
 const FOV_Y_DEG: f64 = 28.0; // as in studio/src/viewer/view.ts
-/// Places of each segment at which the width of the crack is measured.
+/// The samples of each segment at which the width of the crack is measured. Chosen: more hardly change it.
 const SAMPLES: u32 = 16;
 
 /// Answers `{"left": 3, "right": 4, "cut": "own" | "shared", "eye": [x, y, z], "target": …}`: two patches
-/// that share a side, and how wide they gape there. Cut on their own, each is a grid of its number; cut
-/// together, the core keeps the distance that the second number leaves.
-pub(super) fn cracks(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["left", "right", "cut", "eye", "target"])?;
-    let counts = [asked.number("left", COUNTS)? as u32, asked.number("right", COUNTS)? as u32];
-    let [eye, target] = [asked.point::<3>("eye")?, asked.point::<3>("target")?];
+/// that share a side, and the width of the crack there. With "own" each patch is a grid of its own number;
+/// with "shared" both are meshed together, with the error of the second number as the tolerance.
+pub(super) fn cracks(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["left", "right", "cut", "eye", "target"])?;
+    let counts = [request.number("left", COUNTS)? as u32, request.number("right", COUNTS)? as u32];
+    let [eye, target] = [request.point::<3>("eye")?, request.point::<3>("target")?];
     let patches = hill();
     let curve = CurveSegment::Cubic(patches[1].side(PatchSide::Left));
     let curve = Curve::new(vec![curve], CurveEnds::Open).map_err(|error| error.to_string())?;
     let sides = counts.map(|count| side(&curve, count));
-    let off = sides.each_ref().map(|side| largest_gap(&curve, side).map_or(0.0, |gap| gap.distance));
-    let (mesh, seams) = match asked.word("cut", &["own", "shared"])? {
+    let errors = sides.each_ref().map(|side| largest_gap(&curve, side).map_or(0.0, |gap| gap.distance));
+    let (mesh, seams) = match request.word("cut", &["own", "shared"])? {
         "own" => (grids(&patches, counts)?, sides),
         _ => {
-            let length = Tolerance::new(off[1]).map_err(|error| error.to_string())?;
+            let length = Tolerance::new(errors[1]).map_err(|error| error.to_string())?;
             let mesh = patches_to_mesh(&patches, &Budget::length(length), &Job::default())
                 .map_err(|failure| failure.to_string())?
                 .shape;
@@ -47,9 +46,9 @@ pub(super) fn cracks(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         }
     };
     let crack = widest(&seams);
-    let is_of = |seam: &Polyline<3>, point: &[f64; 3]| seam.points.contains(point);
-    let lonely = seams[0].points.iter().filter(|p| !is_of(&seams[1], p)).count()
-        + seams[1].points.iter().filter(|p| !is_of(&seams[0], p)).count();
+    let has_point = |seam: &Polyline<3>, point: &[f64; 3]| seam.points.contains(point);
+    let lonely = seams[0].points.iter().filter(|p| !has_point(&seams[1], p)).count()
+        + seams[1].points.iter().filter(|p| !has_point(&seams[0], p)).count();
     let view = View::Camera(Camera {
         eye,
         target,
@@ -59,26 +58,26 @@ pub(super) fn cracks(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         screen: SCREEN,
     });
     let place = Box3 { min: crack.1, max: crack.1 };
-    let found = validity(&mesh, Topology::Positions);
-    // The part of the mesh that belongs to each patch: the shared side stands at x = 0.
-    let of: Vec<u32> = (0..mesh.faces().len())
+    let valid = validity(&mesh, Topology::Positions);
+    // The patch of each face: the shared side is at x = 0.
+    let patch_of_face: Vec<u32> = (0..mesh.faces().len())
         .map(|face| u32::from(mesh.corners(face).iter().map(|p| p[0]).sum::<f64>() > 0.0))
         .collect();
     let mut answer = ExhibitAnswer::default();
-    let (shown, of) = (answer.mesh(&mesh), answer.rows(&of));
+    let (shown, patch_of_face) = (answer.mesh(&mesh), answer.rows(&patch_of_face));
     let seams = seams.map(|seam| answer.floats(seam.points.as_flattened()));
     answer.facts = json!({
         "mesh": shown,
-        "of": of,
+        "of": patch_of_face,
         "seams": seams,
         "width": crack.0,
         "at": crack.1,
         "pixels": if crack.0 == 0.0 { Some(0.0) } else { view.pixels_of(crack.0, &place) },
         "lonely": lonely,
-        "components": found.components,
-        "boundary_loops": found.boundary_loops,
+        "components": valid.components,
+        "boundary_loops": valid.boundary_loops,
         "triangles": mesh.faces().len(),
-        "off": off,
+        "off": errors,
     });
     Ok(answer)
 }
@@ -95,7 +94,7 @@ fn hill() -> [Patch; 2] {
     [patch(-3.0, [0.25, 0.6, 1.0, 1.0]), patch(0.0, [1.0, 1.0, 0.6, 0.25])]
 }
 
-/// The side in so many equal steps.
+/// The side in equal steps.
 fn side(curve: &Curve<3>, count: u32) -> Polyline<3> {
     let places: Vec<f64> = (0..=count).map(|i| f64::from(i) / f64::from(count)).collect();
     Polyline { points: places.iter().map(|t| curve.at(*t)).collect(), places, closed: false }
@@ -107,7 +106,7 @@ fn grids(patches: &[Patch; 2], counts: [u32; 2]) -> Result<Mesh, String> {
     for (patch, n) in patches.iter().zip(counts) {
         let start = positions.len() as u32;
         let step = |i: u32| f64::from(i) / f64::from(n);
-        // Against v, as the shared side runs.
+        // In the direction of the shared side, against v.
         positions.extend((0..=n).flat_map(|i| (0..=n).map(move |j| patch.at(step(j), 1.0 - step(i)))));
         for i in 0..n {
             for j in 0..n {
@@ -116,7 +115,7 @@ fn grids(patches: &[Patch; 2], counts: [u32; 2]) -> Result<Mesh, String> {
             }
         }
     }
-    made(positions, faces)
+    mesh_from(positions, faces)
 }
 
 /// The vertices of a mesh on the shared side, in its order.
@@ -127,33 +126,33 @@ fn seam_of(mesh: &Mesh) -> Polyline<3> {
     Polyline { points, places: Vec::new(), closed: false }
 }
 
-/// The largest distance found from a point of one seam to the other, and the point.
+/// The largest sampled distance from a point of one seam to the other, and the point.
 fn widest(seams: &[Polyline<3>; 2]) -> (f64, [f64; 3]) {
-    let mut most = (0.0, [0.0; 3]);
+    let mut widest = (0.0, [0.0; 3]);
     for (seam, other) in [(&seams[0], &seams[1]), (&seams[1], &seams[0])] {
         for [a, b] in seam.segments() {
             for i in 0..=SAMPLES {
                 let t = f64::from(i) / f64::from(SAMPLES);
                 let point = std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k]);
-                let apart = distance_to_polyline(point, other);
-                // The sum of two roundings of a point on the same segment is no crack.
-                if apart > most.0 + ROUNDING {
-                    most = (apart, point);
+                let distance = distance_to_polyline(point, other);
+                // Points of the same segment differ by rounding, which is no crack.
+                if distance > widest.0 + ROUNDING {
+                    widest = (distance, point);
                 }
             }
         }
     }
-    most
+    widest
 }
 
-/// Points of one segment, rounded: 16 steps of the largest coordinate, 3.
+/// The rounding of points of a segment. Derived: 16 roundings of coordinates of at most 3.
 const ROUNDING: f64 = 16.0 * 4.0 * f64::EPSILON;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn asked(left: u32, right: u32, cut: &str) -> serde_json::Value {
+    fn facts_of(left: u32, right: u32, cut: &str) -> serde_json::Value {
         let question = format!(
             r#"{{"exhibit": "cracks", "left": {left}, "right": {right}, "cut": "{cut}",
                 "eye": [6, -9, 5], "target": [0, 0, 0]}}"#
@@ -164,18 +163,18 @@ mod tests {
     #[test]
     fn different_numbers_crack_and_one_shared_side_does_not() {
         for (left, right) in [(3, 4), (3, 5), (3, 6), (4, 16), (5, 1)] {
-            let own = asked(left, right, "own");
+            let own = facts_of(left, right, "own");
             assert!(own["pixels"].as_f64().unwrap() > 1.0 && own["lonely"].as_u64().unwrap() > 0, "{own}");
             assert_eq!(own["components"], json!(2));
-            let shared = asked(left, right, "shared");
+            let shared = facts_of(left, right, "shared");
             assert_eq!((&shared["pixels"], &shared["lonely"]), (&json!(0.0), &json!(0)));
             assert_eq!((&shared["components"], &shared["boundary_loops"]), (&json!(1), &json!(1)));
         }
         for n in 1..=16 {
-            let same = asked(n, n, "own");
+            let same = facts_of(n, n, "own");
             assert_eq!((&same["pixels"], &same["components"]), (&json!(0.0), &json!(1)), "{n}");
         }
         // An arch of height 1.95 in the place of its chord.
-        assert!((asked(5, 1, "own")["off"][1].as_f64().unwrap() - 0.75 * 2.6).abs() < 1e-9);
+        assert!((facts_of(5, 1, "own")["off"][1].as_f64().unwrap() - 0.75 * 2.6).abs() < 1e-9);
     }
 }

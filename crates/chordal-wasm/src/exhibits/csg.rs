@@ -1,6 +1,6 @@
-//! Two shapes under minimum and maximum, and where the value stops being a distance.
+//! Two shapes combined by minimum and maximum, and the regions where the value is no distance.
 use super::answer::ExhibitAnswer;
-use super::plane::{Region, below, distance_to, once, outline, regions, told, value_at};
+use super::plane::{Region, below, distance_to, once, or_text, outline, regions, value_at};
 use super::request::ExhibitRequest;
 use chordal::implicit::shapes::{circle, rectangle};
 use chordal::implicit::{Expr, Field};
@@ -9,41 +9,42 @@ use std::sync::OnceLock;
 
 /// The level curves that are drawn.
 const LEVELS: [f64; 12] = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0, -0.5, -1.0, -1.5, -2.0, -2.5];
-/// The outline that the true distance is taken to is within this of the shape.
+/// The tolerance of the outline to which the true distance is measured.
 const CLOSE: f64 = 0.0001; // chosen: a hundredth of a pixel of the figure, so that ratios are right to a thousandth
-/// From here on the value counts as no distance.
+/// The difference from which on the value counts as no distance.
 const SHOWS: f64 = 0.03; // chosen: two pixels of the figure
 
-/// An operation's result: what is asked and what is drawn.
+/// The result of an operation, with its figures.
 struct Combined {
     parts: [Field; 2],
     shape: Field,
     distance: Field,
     levels: Vec<Region>,
-    /// Where value and distance differ by more than what shows.
+    /// The regions where value and distance differ by more than [`SHOWS`].
     wrong: Vec<Region>,
     outlines: [Vec<Region>; 2],
 }
 
 const OPERATIONS: [&str; 3] = ["union", "intersection", "difference"];
 
-/// Answers `{"operation": "union", "point": [x, y]}`: the value and the true distance at the point, and where
-/// they differ.
-pub(super) fn csg(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["operation", "point"])?;
-    let operation = asked.word("operation", &OPERATIONS)?;
-    let point = asked.point::<2>("point")?;
+/// Answers `{"operation": "union", "point": [x, y]}`: the value and the true distance at the point, and the
+/// regions where they differ.
+pub(super) fn csg(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["operation", "point"])?;
+    let operation = request.word("operation", &OPERATIONS)?;
+    let point = request.point::<2>("point")?;
     static MADE: [OnceLock<Combined>; 3] = [const { OnceLock::new() }; 3];
-    let place = OPERATIONS.iter().position(|name| *name == operation).unwrap_or(0);
-    let found = once(&MADE[place], || combined(operation))?;
-    let Combined { shape, distance, .. } = found;
+    let index = OPERATIONS.iter().position(|name| *name == operation).unwrap_or(0);
+    let combination = once(&MADE[index], || combined(operation))?;
+    let Combined { shape, distance, .. } = combination;
     let [value, truth] = [value_at(&shape.tape(), point)?, value_at(&distance.tape(), point)?];
-    let [a, b] = [value_at(&found.parts[0].tape(), point)?, value_at(&found.parts[1].tape(), point)?];
+    let [a, b] =
+        [value_at(&combination.parts[0].tape(), point)?, value_at(&combination.parts[1].tape(), point)?];
     let mut answer = ExhibitAnswer::default();
-    let levels = regions(&mut answer, &found.levels);
-    let wrong = regions(&mut answer, &found.wrong);
-    let [one, other] = &found.outlines;
-    let outlines = [regions(&mut answer, one), regions(&mut answer, other)];
+    let levels = regions(&mut answer, &combination.levels);
+    let wrong = regions(&mut answer, &combination.wrong);
+    let [first_outline, second_outline] = &combination.outlines;
+    let outlines = [regions(&mut answer, first_outline), regions(&mut answer, second_outline)];
     answer.facts = json!({
         "levels": levels,
         "wrong": wrong,
@@ -51,7 +52,7 @@ pub(super) fn csg(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         "of": [a, b],
         "value": value,
         "truth": truth,
-        // At the surface both are 0, but for the outline's own error.
+        // At the surface both are 0, except for the error of the outline.
         "share": (truth.abs() > 2.0 * CLOSE).then(|| value / truth),
         "quality": { "outside": shape.distance().outside.as_str(), "inside": shape.distance().inside.as_str() },
     });
@@ -59,9 +60,9 @@ pub(super) fn csg(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
 }
 
 fn combined(operation: &str) -> Result<Combined, String> {
-    let disc = told(told(circle(2.5))?.moved([4.6, 4.3, 0.0]))?;
-    let slab = told(told(rectangle([5.0, 2.8]))?.rotated_deg([0.0, 0.0, 1.0], 18.0))?;
-    let slab = told(slab.moved([7.2, 3.8, 0.0]))?;
+    let disc = or_text(or_text(circle(2.5))?.moved([4.6, 4.3, 0.0]))?;
+    let slab = or_text(or_text(rectangle([5.0, 2.8]))?.rotated_deg([0.0, 0.0, 1.0], 18.0))?;
+    let slab = or_text(slab.moved([7.2, 3.8, 0.0]))?;
     let shape = match operation {
         "union" => disc.union(&slab),
         "intersection" => disc.intersection(&slab),

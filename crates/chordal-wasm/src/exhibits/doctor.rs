@@ -1,7 +1,7 @@
-//! The mesh doctor: six sick meshes, what is wrong with each, and what a cure makes of it.
+//! The mesh doctor: six defective meshes, their findings, and the effects of cures.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
-use super::shapes::{CUBE, ball, cube, from_quads, made};
+use super::shapes::{CUBE, ball, cube, from_quads, mesh_from};
 use chordal::budget::advice::Cure;
 use chordal::check::findings::{Finding, MeshLocation, Severity, Witness};
 use chordal::check::{
@@ -16,19 +16,19 @@ use chordal::mend::{
 use chordal::{Job, Mesh};
 use serde_json::{Value, json};
 
-/// The most cures in a row; the page offers no more than there are.
+/// The most cures in a row. Chosen: twice as many as there are.
 const MOST_CURES: usize = 16;
-/// Vertices are told apart by their rows, as files with indices have them.
+/// Vertices are identified by index, as in files with indices.
 const ROWS: Topology = Topology::Indices;
 
 /// Answers `{"patient": "hole", "cures": ["fill-holes", …]}`: the mesh after these cures, its findings with
-/// their first places and what helps, and the cure to apply next.
-pub(super) fn doctor(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["patient", "cures"])?;
+/// their first places and helpful cures, and the cure to apply next.
+pub(super) fn doctor(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["patient", "cures"])?;
     let names = ["hole", "seam", "crack", "flipped", "branch", "double"];
-    let mut mesh = patient(asked.word("patient", &names)?)?;
+    let mut mesh = patient(request.word("patient", &names)?)?;
     let mut done = Vec::new();
-    for name in asked.words("cures", MOST_CURES)? {
+    for name in request.words("cures", MOST_CURES)? {
         let cure = Cure::ALL.into_iter().find(|cure| cure.name() == name);
         let cure = cure.ok_or_else(|| format!("there is no cure '{name}'"))?;
         let mended = applied(cure, &mesh)?;
@@ -40,20 +40,20 @@ pub(super) fn doctor(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     }
     let mut answer = ExhibitAnswer::default();
     let shown = answer.mesh(&mesh);
-    let found = validity(&mesh, ROWS);
+    let valid = validity(&mesh, ROWS);
     let parts = components(&mesh, ROWS);
     let findings = findings(&mesh)?;
     let faults = faults(&findings);
     let mut next: Option<Cure> = None;
-    let mut told = Vec::new();
+    let mut finding_facts = Vec::new();
     for (defect, finding) in &findings {
         let cure = helping_cure(&mesh, *defect, faults)?;
-        // Of all that help, the one on which the others rely.
+        // The first of all helpful cures, since later ones rely on it.
         next = match (next, cure) {
             (Some(a), Some(b)) => Some(if b < a { b } else { a }),
             (a, b) => a.or(b),
         };
-        told.push(json!({
+        finding_facts.push(json!({
             "defect": defect.name(),
             "is_fault": defect.severity() == Severity::Fault,
             "count": finding.count,
@@ -63,28 +63,28 @@ pub(super) fn doctor(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     }
     answer.facts = json!({
         "mesh": shown,
-        "findings": told,
+        "findings": finding_facts,
         "faults": faults,
         "next": next.map(Cure::name),
         "done": done,
-        "triangles": found.triangles,
-        "vertices": found.vertices,
-        "components": found.components,
-        "closed": found.closed,
-        "manifold": found.manifold(),
-        "oriented": found.oriented,
+        "triangles": valid.triangles,
+        "vertices": valid.vertices,
+        "components": valid.components,
+        "closed": valid.closed,
+        "manifold": valid.manifold(),
+        "oriented": valid.oriented,
         "outward": outward(&parts),
-        // Only of a closed, oriented surface does it mean anything.
-        "volume": (found.closed && found.oriented).then_some(found.measure.signed_volume),
+        // Defined only for a closed, oriented surface.
+        "volume": (valid.closed && valid.oriented).then_some(valid.measure.signed_volume),
     });
     Ok(answer)
 }
 
-/// Every defect that is there, the most severe first.
+/// All findings, the most severe first.
 fn findings(mesh: &Mesh) -> Result<Vec<(Defect, Finding)>, String> {
     let valid = validity(mesh, ROWS);
     let crossing = self_intersections(mesh, &Job::default()).map_err(|error| error.to_string())?;
-    let found = |defect: Defect| match defect {
+    let finding = |defect: Defect| match defect {
         Defect::BoundaryEdges => valid.boundary_edges.clone(),
         Defect::NonManifoldEdges => valid.non_manifold_edges.clone(),
         Defect::NonManifoldVertices => valid.non_manifold_vertices.clone(),
@@ -99,16 +99,16 @@ fn findings(mesh: &Mesh) -> Result<Vec<(Defect, Finding)>, String> {
         Defect::Slivers => valid.slivers.clone(),
         Defect::UnusedVertices => valid.unused_vertices.clone(),
     };
-    let all = Defect::ALL.map(|defect| (defect, found(defect)));
-    Ok(all.into_iter().filter(|(_, finding)| !finding.is_none()).collect())
+    let list = Defect::ALL.map(|defect| (defect, finding(defect)));
+    Ok(list.into_iter().filter(|(_, finding)| !finding.is_none()).collect())
 }
 
-/// The kinds of faults among findings.
+/// The number of kinds of faults among findings.
 fn faults(findings: &[(Defect, Finding)]) -> usize {
     findings.iter().filter(|(defect, _)| defect.severity() == Severity::Fault).count()
 }
 
-/// The first cure of a defect that changes anything and makes nothing worse: the later ones are for what it leaves.
+/// The first cure of a defect that changes the mesh without adding faults; later ones are for what it leaves.
 fn helping_cure(mesh: &Mesh, defect: Defect, faults_before: usize) -> Result<Option<Cure>, String> {
     for cure in defect.cures() {
         let mended = applied(*cure, mesh)?;
@@ -149,23 +149,24 @@ fn applied(cure: Cure, mesh: &Mesh) -> Result<MendedMesh, String> {
     mended.map_err(|error| error.to_string())
 }
 
-/// A sick mesh: a healthy one with one thing done to it.
+/// A defective mesh: a sound one with one change.
 fn patient(name: &str) -> Result<Mesh, String> {
     match name {
-        // A vertex was taken out with the triangles around it.
+        // A vertex is missing with the triangles around it.
         "hole" => {
             let ball = ball(1)?;
             let faces = ball.faces().iter().filter(|face| !face.contains(&2));
-            let mesh = made(ball.positions().to_vec(), faces.copied().collect())?;
+            let mesh = mesh_from(ball.positions().to_vec(), faces.copied().collect())?;
             drop_unused(&mesh, &Job::default()).map(|mended| mended.mesh).map_err(|error| error.to_string())
         }
         // Every triangle has its own vertices, as in an STL file.
         "seam" => {
             let ball = ball(1)?;
             let corners = (0..ball.faces().len()).flat_map(|face| ball.corners(face));
-            made(corners.collect(), (0..80).map(|face| [0, 1, 2].map(|k| 3 * face + k)).collect())
+            mesh_from(corners.collect(), (0..80).map(|face| [0, 1, 2].map(|k| 3 * face + k)).collect())
         }
-        // One face of a cube is cut finer than its neighbours: the middles of four edges are vertices for one side.
+        // One face of a cube is finer than its neighbours: the midpoints of its four edges are vertices only
+        // there.
         "crack" => {
             let cube = cube()?;
             let mut positions = cube.positions().to_vec();
@@ -182,20 +183,21 @@ fn patient(name: &str) -> Result<Mesh, String> {
                 let (before, after) = (first + (k + 3) % 4, first + k);
                 faces.extend(from_quads(&[[top[k as usize], after, first + 4, before]]));
             }
-            made(positions, faces)
+            mesh_from(positions, faces)
         }
-        // Some triangles run the other way.
+        // Some triangles are flipped.
         "flipped" => {
             let ball = ball(1)?;
             let mut faces = ball.faces().to_vec();
             [3, 17, 18, 19, 42, 61].into_iter().for_each(|face: usize| faces[face].swap(1, 2));
-            made(ball.positions().to_vec(), faces)
+            mesh_from(ball.positions().to_vec(), faces)
         }
         // Two cubes share an edge: four triangles meet there.
         "branch" => {
             let cube = cube()?;
             let mut positions = cube.positions().to_vec();
-            // The second cube's corner i is the first's moved by 2 along x and y; its edge 0–4 is the first's 3–7.
+            // The second cube's corner i is the first's moved by 2 along x and y; its edge 0–4 is the first's
+            // 3–7.
             let row = |i: u32| match i {
                 0 => 3,
                 4 => 7,
@@ -208,9 +210,9 @@ fn patient(name: &str) -> Result<Mesh, String> {
             }
             let mut faces = cube.faces().to_vec();
             faces.extend(cube.faces().iter().map(|face| face.map(row)));
-            made(positions, faces)
+            mesh_from(positions, faces)
         }
-        // Some triangles are there twice, one has no area, and a vertex is left over.
+        // Some triangles are duplicated, one has no area, and a vertex is unused.
         _ => {
             let ball = ball(1)?;
             let mut positions = ball.positions().to_vec();
@@ -219,7 +221,7 @@ fn patient(name: &str) -> Result<Mesh, String> {
             let [a, b, _] = ball.faces()[30];
             faces.push([a, b, a]);
             positions.push([1.4, 0.0, 0.0]);
-            made(positions, faces)
+            mesh_from(positions, faces)
         }
     }
 }
@@ -228,7 +230,7 @@ fn patient(name: &str) -> Result<Mesh, String> {
 mod tests {
     use super::*;
 
-    fn asked(patient: &str, cures: &[String]) -> Value {
+    fn facts_of(patient: &str, cures: &[String]) -> Value {
         let question = json!({"exhibit": "doctor", "patient": patient, "cures": cures}).to_string();
         doctor(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
@@ -244,15 +246,15 @@ mod tests {
             ("double", "duplicate_faces"),
         ] {
             let mut cures = Vec::new();
-            let sick = asked(name, &cures);
+            let sick = facts_of(name, &cures);
             let has =
                 |found: &Value| found["findings"].as_array().unwrap().iter().any(|f| f["defect"] == defect);
             assert!(has(&sick) && sick["faults"].as_u64().unwrap() > 0, "{name}: {sick}");
-            while let Some(cure) = next_cure(&asked(name, &cures)) {
+            while let Some(cure) = next_cure(&facts_of(name, &cures)) {
                 cures.push(cure);
                 assert!(cures.len() <= 4, "{name}: {cures:?}");
             }
-            let well = asked(name, &cures);
+            let well = facts_of(name, &cures);
             assert!(!has(&well) && well["faults"] == json!(0), "{name} {cures:?}: {well}");
             assert_eq!((&well["closed"], &well["oriented"]), (&json!(true), &json!(true)), "{name}");
             assert!(well["volume"].as_f64().unwrap() > 3.0, "{name}: {well}");

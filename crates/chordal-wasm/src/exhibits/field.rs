@@ -1,6 +1,6 @@
-//! One shape both ways: a field, and the mesh of its outline.
+//! One shape as a field and as the mesh of its outline.
 use super::answer::ExhibitAnswer;
-use super::plane::{Region, below, distance_to, loops, once, raised, regions, told, value_at};
+use super::plane::{Region, below, distance_to, loops, once, or_text, raised, regions, value_at};
 use super::request::ExhibitRequest;
 use chordal::convert::{Spacing, curves_to_polylines};
 use chordal::explicit::polygons::winding_number;
@@ -15,26 +15,28 @@ use serde_json::json;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
-/// The lengths by which the mesh may be off.
+/// The range of the tolerance.
 const LENGTHS: [f64; 2] = [0.005, 1.0]; // defined: what the slider offers
 /// The level curves that are drawn, besides the outline.
 const LEVELS: [f64; 7] = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0];
 
-/// Answers `{"point": [x, y], "length": 0.1}`: what the field and the mesh say of the point.
-pub(super) fn field(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["point", "length"])?;
-    let point = asked.point::<2>("point")?;
-    let length = told(Tolerance::new(asked.number("length", LENGTHS)?))?;
+/// Answers `{"point": [x, y], "length": 0.1}`: value, distance, normal and winding of the point in the field
+/// and in the mesh.
+pub(super) fn field(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["point", "length"])?;
+    let point = request.point::<2>("point")?;
+    let length = or_text(Tolerance::new(request.number("length", LENGTHS)?))?;
     let shape = frame()?;
     let tape = shape.tape();
     let outline = [contour([4.4, 2.9], 2.2)?, contour([3.0, 1.5], 0.8)?.reversed()];
     let job = Job::default();
-    let made = told(curves_to_polylines(&outline, &Budget::length(length), &job, Spacing::Fewest))?;
-    let lines = &made.shape;
+    let outline_mesh =
+        or_text(curves_to_polylines(&outline, &Budget::length(length), &job, Spacing::Fewest))?;
+    let lines = &outline_mesh.shape;
     let distance = distance_to(lines)?.tape();
-    let normal = |tape| told(normals(tape, &[raised(point)])).map(|all| all[0]);
+    let normal = |tape| or_text(normals(tape, &[raised(point)])).map(|normals| normals[0]);
     let windings: Vec<Option<i32>> = lines.iter().map(|line| winding_number(&line.points, point)).collect();
-    let winding = windings.iter().try_fold(0, |sum, one| one.map(|one| sum + one));
+    let winding = windings.iter().try_fold(0, |sum, turns| turns.map(|turns| sum + turns));
     let [value, mesh_value] = [value_at(&tape, point)?, value_at(&distance, point)?];
     let mut answer = ExhibitAnswer::default();
     static DRAWN: OnceLock<Vec<Region>> = OnceLock::new();
@@ -47,7 +49,7 @@ pub(super) fn field(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         "mesh": {
             "loops": loops(&mut answer, lines),
             "edges": lines.iter().map(Polyline::n_segments).sum::<usize>(),
-            "bound": made.bound.at_most(),
+            "bound": outline_mesh.bound.at_most(),
             "distance": mesh_value,
             "normal": normal(&distance)?,
             "winding": winding,
@@ -61,8 +63,8 @@ pub(super) fn field(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
 /// The angle by which the frame is turned.
 const TURN_DEG: f64 = 14.0; // chosen: so that no side is level
 
-/// A side of the frame's outline by half its width and height and the radius of its corners: the same curve as
-/// that of the field.
+/// One contour of the frame, by half its width and height and the radius of its corners: the same curve as
+/// the zero set of the field.
 fn contour(half: [f64; 2], radius: f64) -> Result<Curve<2>, String> {
     let (sin, cos) = sin_cos(TURN_DEG.to_radians());
     let turned = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
@@ -71,7 +73,7 @@ fn contour(half: [f64; 2], radius: f64) -> Result<Curve<2>, String> {
     for (k, [x, y]) in [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().enumerate() {
         let centre = turned([x * (half[0] - radius), y * (half[1] - radius)]);
         let start = k as f64 * FRAC_PI_2;
-        arcs.push(told(Arc::new([centre[0] + 6.0, centre[1] + 4.0], axes, start, FRAC_PI_2))?);
+        arcs.push(or_text(Arc::new([centre[0] + 6.0, centre[1] + 4.0], axes, start, FRAC_PI_2))?);
     }
     let mut pieces = Vec::new();
     for (k, arc) in arcs.iter().enumerate() {
@@ -79,19 +81,19 @@ fn contour(half: [f64; 2], radius: f64) -> Result<Curve<2>, String> {
         pieces.push(CurveSegment::Line([before, arc.ends()[0]]));
         pieces.push(CurveSegment::Arc(*arc));
     }
-    told(Curve::new(pieces, CurveEnds::Closed))
+    or_text(Curve::new(pieces, CurveEnds::Closed))
 }
 
 /// A rounded frame around a hole.
 fn frame() -> Result<Field, String> {
-    let frame = told(told(rounded_rectangle([7.4, 4.4], 1.5))?.shell(1.4))?;
-    told(told(frame.rotated_deg([0.0, 0.0, 1.0], TURN_DEG))?.moved([6.0, 4.0, 0.0]))
+    let frame = or_text(or_text(rounded_rectangle([7.4, 4.4], 1.5))?.shell(1.4))?;
+    or_text(or_text(frame.rotated_deg([0.0, 0.0, 1.0], TURN_DEG))?.moved([6.0, 4.0, 0.0]))
 }
 
-/// Where the ray to the right crosses edges, and +1 where the inside begins beyond: their sum is the winding
-/// number.
+/// The crossings of the ray to the right with edges, each +1 or −1 by the direction of the edge: their sum is
+/// the winding number.
 fn crossings(lines: &[Polyline<2>], point: [f64; 2]) -> Vec<([f64; 2], i32)> {
-    let mut all = Vec::new();
+    let mut list = Vec::new();
     for [from, to] in lines.iter().flat_map(Polyline::segments) {
         let [is_low, was_low] = [to[1] <= point[1], from[1] <= point[1]];
         let side = orient2d(from, to, point);
@@ -101,9 +103,9 @@ fn crossings(lines: &[Polyline<2>], point: [f64; 2]) -> Vec<([f64; 2], i32)> {
             _ => continue,
         };
         let share = (point[1] - from[1]) / (to[1] - from[1]);
-        all.push(([from[0] + share * (to[0] - from[0]), point[1]], turn));
+        list.push(([from[0] + share * (to[0] - from[0]), point[1]], turn));
     }
-    all
+    list
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Indexed against unindexed: the bytes of one mesh, stored both ways.
+//! Indexed and unindexed: the bytes of one mesh stored both ways.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use super::shapes;
@@ -9,28 +9,28 @@ use chordal::explicit::{NormalWeight, Semantic, Shading, Topology, with_normals}
 use chordal::{Budget, Job, Tolerance};
 use serde_json::json;
 
-/// The range of lengths that may be asked for; the teapot is 3 units high.
+/// The range of the tolerance; the teapot is 3 units high.
 const LENGTHS: [f64; 2] = [1e-3, 1.0]; // defined: from 40,000 triangles to 300
 
-/// Answers `{"shape": "teapot", "length": 0.05, "near": [x, y, z]}`: the teapot in triangles within that
-/// length of it, the bytes of their buffers, and the triangles around the vertex nearest to a point.
-pub(super) fn indexed(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["shape", "length", "near"])?;
-    asked.word("shape", &["teapot"])?;
-    let length = Tolerance::new(asked.number("length", LENGTHS)?).map_err(|error| error.to_string())?;
-    let near = asked.point::<3>("near")?;
+/// Answers `{"shape": "teapot", "length": 0.05, "near": [x, y, z]}`: the teapot as triangles within that
+/// length, the bytes of their buffers, and the triangles around the vertex nearest to a point.
+pub(super) fn indexed(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["shape", "length", "near"])?;
+    request.word("shape", &["teapot"])?;
+    let length = Tolerance::new(request.number("length", LENGTHS)?).map_err(|error| error.to_string())?;
+    let near = request.point::<3>("near")?;
     let job = Job::default();
-    let made = patches_to_mesh(&shapes::teapot(), &Budget::length(length), &job)
+    let teapot = patches_to_mesh(&shapes::teapot(), &Budget::length(length), &job)
         .map_err(|failure| failure.to_string())?;
-    let smooth = with_normals(&made.shape, Topology::Indices, Shading::Smooth(NormalWeight::Angle))
+    let smooth = with_normals(&teapot.shape, Topology::Indices, Shading::Smooth(NormalWeight::Angle))
         .map_err(|error| error.to_string())?;
-    let buffers = mesh_to_gpu_buffers(&made.shape, &job).map_err(|failure| failure.to_string())?.shape;
-    let found = validity(&made.shape, Topology::Indices);
-    let vertex = nearest_vertex(made.shape.positions(), near);
-    let ring = (0_u32..).zip(made.shape.faces()).filter(|(_, face)| face.contains(&vertex));
+    let buffers = mesh_to_gpu_buffers(&teapot.shape, &job).map_err(|failure| failure.to_string())?.shape;
+    let valid = validity(&teapot.shape, Topology::Indices);
+    let vertex = nearest_vertex(teapot.shape.positions(), near);
+    let ring = (0_u32..).zip(teapot.shape.faces()).filter(|(_, face)| face.contains(&vertex));
     let ring: Vec<u32> = ring.map(|(face, _)| face).collect();
     let mut answer = ExhibitAnswer::default();
-    let mesh = answer.mesh(&made.shape);
+    let mesh = answer.mesh(&teapot.shape);
     let normals = smooth.attribute(&Semantic::Normal).map(|normals| answer.floats(&normals.values));
     answer.facts = json!({
         "mesh": mesh,
@@ -41,14 +41,14 @@ pub(super) fn indexed(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         "unindexed_bytes": buffers.unindexed_bytes(),
         "times": buffers.unindexed_bytes() as f64 / buffers.bytes() as f64,
         "position_bytes": 12 * buffers.positions.len(),
-        "triangles_per_vertex": found.triangles_per_vertex,
-        "vertex": { "row": vertex, "at": made.shape.positions()[vertex as usize], "faces": ring },
-        "bound": made.bound.at_most(),
+        "triangles_per_vertex": valid.triangles_per_vertex,
+        "vertex": { "row": vertex, "at": teapot.shape.positions()[vertex as usize], "faces": ring },
+        "bound": teapot.bound.at_most(),
     });
     Ok(answer)
 }
 
-/// The row nearest to a point, the first of several.
+/// The index of the vertex nearest to a point; the first of several.
 fn nearest_vertex(positions: &[[f64; 3]], point: [f64; 3]) -> u32 {
     let apart = |p: &[f64; 3]| (0..3).fold(0.0, |sum, k| sum + (p[k] - point[k]) * (p[k] - point[k]));
     let mut nearest = (f64::INFINITY, 0);

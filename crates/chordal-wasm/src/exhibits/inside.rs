@@ -1,16 +1,16 @@
-//! Inside by three edge functions.
+//! Point in triangle by three edge functions.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use chordal::explicit::Triangle;
 use chordal::math::exact::{Orientation, PointInTriangle};
 use serde_json::json;
 
-/// Answers `{"corners": [[x, y] × 3], "point": [x, y]}`: the three edge functions, their exact signs, and
-/// where the point lies.
-pub(super) fn inside(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["corners", "point"])?;
-    let corners = asked.points::<2>("corners", [3, 3])?;
-    let point = asked.point::<2>("point")?;
+/// Answers `{"corners": [[x, y] × 3], "point": [x, y]}`: the three edge functions, their exact signs, and the
+/// position of the point.
+pub(super) fn inside(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["corners", "point"])?;
+    let corners = request.points::<2>("corners", [3, 3])?;
+    let point = request.point::<2>("point")?;
     let [a, b, c] = [corners[0], corners[1], corners[2]];
     let triangle = Triangle { corners: [a, b, c] };
     let side = |from, to| match chordal::math::exact::orient2d(from, to, point) {

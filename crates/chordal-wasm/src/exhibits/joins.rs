@@ -1,5 +1,5 @@
-//! Two cubics that meet as C0, C1 or C2: the join, the comb of their curvature, and stripes that a surface
-//! swept from them reflects.
+//! Two cubics that meet with C0, C1 or C2: the join, the combs of their curvature, and zebra stripes of a
+//! surface swept from them.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use chordal::budget::camera::{Camera, Projection, Screen};
@@ -11,67 +11,67 @@ use chordal::render::{Background, RenderOptions, RenderStyle, UpAxis, Viewpoint,
 use chordal::{Bezier, Budget, Job, Patch, Tolerance};
 use serde_json::{Value, json};
 
-/// Teeth of the comb of each curve.
+/// The number of teeth of each comb. Chosen: dense enough to look like a curve.
 const TEETH: usize = 28;
-/// The picture of the stripes; its rows are whole words.
+/// The picture of the stripes; its rows are multiples of four pixels.
 const PICTURE: Screen = Screen { width_px: 320, height_px: 104 };
-/// The surface is within this of the swept one: where a pixel is a thirtieth of a unit no stripe shows it.
+/// The tolerance of the surface. Chosen: a pixel is a thirtieth of a unit, so no stripe shows it.
 const TOLERANCE: f64 = 4e-3;
-/// How the profile that is swept along rises across, and by how much.
+/// The heights of the control points of the arch that the curves are swept along.
 const ARCH: [f64; 4] = [0.0, 1.5, 1.5, 0.0];
 
-/// Answers `{"first": [[x, y] × 4], "second": …, "keep": "C1", "scale": 1.0}`: the second curve made to
-/// continue the first, how they meet, their combs, and a picture of the stripes.
-pub(super) fn joins(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["first", "second", "keep", "scale"])?;
-    let [first, second] = [cubic(asked, "first")?, cubic(asked, "second")?];
-    let keep = match asked.word("keep", &["C0", "C1", "C2"])? {
+/// Answers `{"first": [[x, y] × 4], "second": …, "keep": "C1", "scale": 1.0}`: the second curve as a
+/// continuation of the first, their join, their combs, and a picture of the stripes.
+pub(super) fn joins(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["first", "second", "keep", "scale"])?;
+    let [first, second] = [cubic(request, "first")?, cubic(request, "second")?];
+    let keep = match request.word("keep", &["C0", "C1", "C2"])? {
         "C0" => Continuity::C0,
         "C1" => Continuity::C1,
         _ => Continuity::C2,
     };
-    let scale = asked.number("scale", [0.0, 100.0])?;
+    let scale = request.number("scale", [0.0, 100.0])?;
     let second = second.continuing(&first, keep);
     let pieces = [first, second].map(CurveSegment::Cubic);
-    let met = join([&pieces[0], &pieces[1]], [1.0; 2], 1);
+    let join_facts = join([&pieces[0], &pieces[1]], [1.0; 2], 1);
     let comb = |curve: Bezier<2>| -> Vec<Value> {
-        let told = |tooth: &Tooth| json!({ "on_curve": tooth.on_curve, "tip": tooth.tip, "curvature": tooth.curvature });
-        curvature_comb(&curve.into(), TEETH, scale).iter().flatten().map(told).collect()
+        let tooth_json = |tooth: &Tooth| json!({ "on_curve": tooth.on_curve, "tip": tooth.tip, "curvature": tooth.curvature });
+        curvature_comb(&curve.into(), TEETH, scale).iter().flatten().map(tooth_json).collect()
     };
     let mut answer = ExhibitAnswer::default();
     let stripes = stripes([first, second])?;
     let stripes = answer.rows(&stripes);
     answer.facts = json!({
         "second": second.control,
-        "class": met.parametric,
-        "geometric": met.geometric,
-        "angle_deg": met.angle_rad.map(f64::to_degrees),
-        "curvatures": met.curvatures,
-        "curvature_gap": met.curvature_gap,
+        "class": join_facts.parametric,
+        "geometric": join_facts.geometric,
+        "angle_deg": join_facts.angle_rad.map(f64::to_degrees),
+        "curvatures": join_facts.curvatures,
+        "curvature_gap": join_facts.curvature_gap,
         "combs": [comb(first), comb(second)],
         "stripes": { "width": PICTURE.width_px, "height": PICTURE.height_px, "grey": stripes },
     });
     Ok(answer)
 }
 
-fn cubic(asked: &ExhibitRequest, key: &str) -> Result<Bezier<2>, String> {
-    let points = asked.points::<2>(key, [4, 4])?;
+fn cubic(request: &ExhibitRequest, key: &str) -> Result<Bezier<2>, String> {
+    let points = request.points::<2>(key, [4, 4])?;
     Ok(Bezier { control: [points[0], points[1], points[2], points[3]] })
 }
 
-/// The curves are swept along an arch that stands across them, so that y is height, and the surface is seen
-/// from straight above: the picture reaches from the start of the first curve to the end of the second. Four
-/// grey pixels a word, row by row from the top.
+/// The stripes: the curves are swept along an arch across them, with y as height, and the surface is seen
+/// from above. The picture reaches from the start of the first curve to the end of the second. Four grey
+/// pixels a word, row by row from the top.
 fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
     let [from, to] = [curves[0].control[0][0], curves[1].control[3][0]];
     if to <= from {
-        return Err("the second curve ends right of where the first one starts".to_owned());
+        return Err("the second curve has to end right of the start of the first one".to_owned());
     }
     let height = (to - from) * f64::from(PICTURE.height_px) / f64::from(PICTURE.width_px);
-    // Stripes run by height along the second axis. The curves are turned against it by the
-    // angle of the triangle of sides 3, 4 and 5, so that stripes run across the join.
+    // Stripes depend on the second axis. The curves are rotated by the angle of the triangle with sides 3, 4
+    // and 5, so that stripes cross the join.
     let turned = |x: f64, y: f64| [0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y];
-    // A tenth more than the picture shows, on either side.
+    // The surface is wider than the picture by a tenth on either side.
     let across = |i: usize| 0.6 * height * (i as f64 * 2.0 / 3.0 - 1.0);
     let patch = |curve: Bezier<2>| Patch {
         control: std::array::from_fn(|i| {
@@ -84,7 +84,7 @@ fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
     };
     let length = Tolerance::new(TOLERANCE).map_err(|error| error.to_string())?;
     let job = Job::default();
-    let made = patches_to_mesh(&curves.map(patch), &Budget::length(length), &job)
+    let surface = patches_to_mesh(&curves.map(patch), &Budget::length(length), &job)
         .map_err(|failure| failure.to_string())?;
     let [up_x, up_y] = turned(0.0, 1.0);
     let camera = Camera {
@@ -103,16 +103,19 @@ fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
         samples: 2,
         ..RenderOptions::sized(PICTURE.width_px, PICTURE.height_px)
     };
-    let picture = render(&made.shape, &options, &job).map_err(|error| format!("{error:?}"))?;
+    let picture = render(&surface.shape, &options, &job).map_err(|error| format!("{error:?}"))?;
     let grey: Vec<u8> = picture.rgba.chunks_exact(4).map(|pixel| pixel[1]).collect();
-    Ok(grey.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])).collect())
+    Ok(grey
+        .chunks_exact(4)
+        .map(|pixels| u32::from_le_bytes([pixels[0], pixels[1], pixels[2], pixels[3]]))
+        .collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn asked(keep: &str, x: f64, y: f64) -> Value {
+    fn facts_of(keep: &str, x: f64, y: f64) -> Value {
         let question = format!(
             r#"{{"exhibit": "joins", "first": [[1, 1], [2, 4], [{x}, {y}], [6, 4]],
                 "second": [[6, 4], [8, 3], [9, 1], [11, 2]], "keep": "{keep}", "scale": 1}}"#
@@ -122,13 +125,13 @@ mod tests {
 
     #[test]
     fn what_is_kept_stays_and_the_rest_breaks() {
-        // The second curve continues the first with both derivatives where its end stands at (4, 5).
-        assert_eq!(asked("C0", 4.0, 5.0)["class"], json!(1));
-        let kink = asked("C0", 4.0, 4.0);
+        // If the third point is at (4, 5), the second curve continues the first with both derivatives.
+        assert_eq!(facts_of("C0", 4.0, 5.0)["class"], json!(1));
+        let kink = facts_of("C0", 4.0, 4.0);
         assert_eq!((&kink["class"], kink["angle_deg"].as_f64().unwrap() > 20.0), (&json!(0), true));
-        let jump = asked("C1", 4.0, 4.0);
+        let jump = facts_of("C1", 4.0, 4.0);
         assert_eq!((&jump["class"], jump["curvature_gap"].as_f64().unwrap() > 0.01), (&json!(1), true));
-        assert_eq!(asked("C2", 4.0, 4.0)["class"], json!(2));
-        assert_eq!(asked("C2", 3.0, 6.5)["class"], json!(2));
+        assert_eq!(facts_of("C2", 4.0, 4.0)["class"], json!(2));
+        assert_eq!(facts_of("C2", 3.0, 6.5)["class"], json!(2));
     }
 }

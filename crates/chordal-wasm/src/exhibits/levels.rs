@@ -1,6 +1,6 @@
-//! Levels of detail: a teapot on the desk and a mountain behind it, each off by at most a pixel.
+//! Levels of detail: a teapot on the desk and a mountain behind it, each with an error of at most a pixel.
 use super::answer::ExhibitAnswer;
-use super::plane::{once, told};
+use super::plane::{once, or_text};
 use super::request::ExhibitRequest;
 use super::shapes;
 use chordal::budget::camera::{Camera, MinDistanceView, Projection, Screen};
@@ -14,15 +14,15 @@ use chordal::{Budget, Failure, Job, Patch, Tolerance, View};
 use serde_json::{Value, json};
 use std::sync::OnceLock;
 
-/// How far the camera is from the teapot, in metres.
+/// The range of the distance from the camera to the teapot, in metres.
 const DISTANCES: [f64; 2] = [0.6, 20_000.0]; // defined: what the slider offers
-/// How far the mountain is behind the teapot, in metres.
-const BEHIND: f64 = 3000.0; // the lesson's
-/// The teapot of the examples is 6.4 units wide, and this one 0.26 metres.
-const METRES: f64 = 0.04; // defined
+/// The distance of the mountain behind the teapot, in metres.
+const BEHIND: f64 = 3000.0; // defined: by the lesson
+/// The scale of the teapot: 6.4 units are 0.26 metres.
+const METRES: f64 = 0.04; // defined: by the lesson
 const SCREEN: Screen = Screen { width_px: 1920, height_px: 1080 };
 const LENS: Projection = Projection::Perspective { fov_y_deg: 45.0 };
-/// The finest levels of both, in metres.
+/// The errors of the finest levels of both, in metres.
 const FINEST: [f64; 2] = [0.00025, 1.3]; // chosen: a pixel from 0.6 m, and from 3 km
 
 struct Levels {
@@ -30,22 +30,22 @@ struct Levels {
     switches: SwitchDistances,
 }
 
-/// Answers `{"distance": 0.6}`: the levels of both that are within a pixel from there.
-pub(super) fn levels(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["distance"])?;
-    let distance = asked.number("distance", DISTANCES)?;
+/// Answers `{"distance": 0.6}`: for both the level whose error is at most a pixel from there.
+pub(super) fn levels(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["distance"])?;
+    let distance = request.number("distance", DISTANCES)?;
     static MADE: OnceLock<[Levels; 2]> = OnceLock::new();
-    let made = once(&MADE, || Ok([teapot()?, mountain()?]))?;
+    let models = once(&MADE, || Ok([teapot()?, mountain()?]))?;
     let mut answer = ExhibitAnswer::default();
     let [near, far] = [0, 1].map(|i| {
         let at = distance + if i == 0 { 0.0 } else { BEHIND };
-        told_of(&made[i], at, &mut answer)
+        level_facts(&models[i], at, &mut answer)
     });
     answer.facts = json!({ "teapot": near, "mountain": far, "off_axis": off_axis()? });
     Ok(answer)
 }
 
-fn told_of(levels: &Levels, distance: f64, answer: &mut ExhibitAnswer) -> Value {
+fn level_facts(levels: &Levels, distance: f64, answer: &mut ExhibitAnswer) -> Value {
     let choice = levels.switches.at(distance, None);
     let level = &levels.all[choice.level];
     let ladder: Vec<Value> = levels
@@ -69,14 +69,14 @@ fn told_of(levels: &Levels, distance: f64, answer: &mut ExhibitAnswer) -> Value 
 
 fn with_switches(all: Vec<LodLevel>) -> Result<Levels, String> {
     let errors: Vec<f64> = all.iter().map(LodLevel::error).collect();
-    // Of the distance nothing is used.
+    // The distance of this view is not used.
     let lens = MinDistanceView { distance: 1.0, projection: LENS, screen: SCREEN };
-    let switches = SwitchDistances::new(&errors, lens, told(Pixels::new(1.0))?);
+    let switches = SwitchDistances::new(&errors, lens, or_text(Pixels::new(1.0))?);
     Ok(Levels { all, switches })
 }
 
 fn steps(finest: f64) -> Result<LodSteps, String> {
-    let finest = told(Tolerance::new(finest))?;
+    let finest = or_text(Tolerance::new(finest))?;
     Ok(LodSteps { stop_at_triangles: 8, ..LodSteps::from_finest(finest) })
 }
 
@@ -91,19 +91,20 @@ fn teapot() -> Result<Levels, String> {
             _ => JobError::Cancelled,
         })
     };
-    with_switches(told(chain(LodSource::Smooth(&mut make), &steps(FINEST[0])?, &job))?)
+    with_switches(or_text(chain(LodSource::Smooth(&mut make), &steps(FINEST[0])?, &job))?)
 }
 
 fn mountain() -> Result<Levels, String> {
     let mesh = shapes::mountain()?;
-    with_switches(told(chain(
+    with_switches(or_text(chain(
         LodSource::Triangles(&mesh, Topology::Indices),
         &steps(FINEST[1])?,
         &Job::default(),
     ))?)
 }
 
-/// How many times as many pixels a length takes in the corner of the picture as in its middle, at one distance.
+/// The ratio of the pixels of a length in the corner of the picture to those in its middle, at the same
+/// distance.
 fn off_axis() -> Result<f64, String> {
     let camera = Camera {
         eye: [0.0; 3],
@@ -116,8 +117,8 @@ fn off_axis() -> Result<f64, String> {
     let (sin, cos) = chordal::math::elementary::sin_cos(22.5_f64.to_radians());
     let (up, wide) = (sin / cos, sin / cos * 1920.0 / 1080.0);
     let far = (1.0 + up * up + wide * wide).sqrt();
-    // As far away as the middle, and just within the picture.
-    let corner = [1.0 / far, 0.999 * wide / far, 0.999 * up / far]; // chosen: within
+    // At the same distance as the middle, and just within the picture.
+    let corner = [1.0 / far, 0.999 * wide / far, 0.999 * up / far]; // chosen: the margin only avoids rounding
     let pixels = |at: [f64; 3]| View::Camera(camera).pixels_of(1e-6, &Box3 { min: at, max: at }); // chosen: small
     match (pixels(corner), pixels([1.0, 0.0, 0.0])) {
         (Some(corner), Some(middle)) => Ok(corner / middle),
@@ -140,11 +141,11 @@ mod tests {
         for distance in [0.6, 1.0, 3.0, 10.0, 100.0, 10_000.0] {
             let facts = at(distance);
             for (name, before) in ["teapot", "mountain"].iter().zip(&mut before) {
-                let found = &facts[name];
-                let triangles = found["triangles"].as_u64().unwrap();
+                let model = &facts[name];
+                let triangles = model["triangles"].as_u64().unwrap();
                 assert!(triangles <= *before, "{name} at {distance}");
                 assert!(
-                    found["pixels"].as_f64().unwrap() <= 1.0 && found["is_enough"] == true,
+                    model["pixels"].as_f64().unwrap() <= 1.0 && model["is_enough"] == true,
                     "{name} at {distance}"
                 );
                 *before = triangles;

@@ -1,4 +1,4 @@
-//! What the exhibits of the studio ask: each file answers one of them, by functions of the library.
+//! The answers to the exhibits of the studio, computed by the library; each file answers one exhibit.
 mod answer;
 mod baking;
 mod bernstein;
@@ -39,29 +39,29 @@ pub(crate) fn outcome(question: &[u8]) -> Outcome {
 }
 
 fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
-    let (name, asked) = ExhibitRequest::parse(question)?;
+    let (name, request) = ExhibitRequest::parse(question)?;
     match name.as_str() {
-        "quad" => quad::quad(&asked),
-        "inside" => inside::inside(&asked),
-        "weights" => weights::weights(&asked),
-        "indexed" => indexed::indexed(&asked),
-        "normals" => normals::normals(&asked),
-        "culling" => culling::culling(&asked),
-        "doctor" => doctor::doctor(&asked),
-        "bernstein" => bernstein::bernstein(&asked),
-        "joins" => joins::joins(&asked),
-        "runge" => runge::runge(&asked),
-        "cracks" => cracks::cracks(&asked),
-        "cage" => cage::cage(&asked),
-        "field" => field::field(&asked),
-        "csg" => csg::csg(&asked),
-        "tracing" => tracing::tracing(&asked),
-        "squares" => squares::squares(&asked),
-        "baking" => baking::baking(&asked),
-        "levels" => levels::levels(&asked),
-        "overshade" => overshade::overshade(&asked),
-        "budget" => budget::budget(&asked),
-        "questions" => questions::questions(&asked),
+        "quad" => quad::quad(&request),
+        "inside" => inside::inside(&request),
+        "weights" => weights::weights(&request),
+        "indexed" => indexed::indexed(&request),
+        "normals" => normals::normals(&request),
+        "culling" => culling::culling(&request),
+        "doctor" => doctor::doctor(&request),
+        "bernstein" => bernstein::bernstein(&request),
+        "joins" => joins::joins(&request),
+        "runge" => runge::runge(&request),
+        "cracks" => cracks::cracks(&request),
+        "cage" => cage::cage(&request),
+        "field" => field::field(&request),
+        "csg" => csg::csg(&request),
+        "tracing" => tracing::tracing(&request),
+        "squares" => squares::squares(&request),
+        "baking" => baking::baking(&request),
+        "levels" => levels::levels(&request),
+        "overshade" => overshade::overshade(&request),
+        "budget" => budget::budget(&request),
+        "questions" => questions::questions(&request),
         _ => Err(format!("there is no exhibit '{name}'")),
     }
 }

@@ -1,4 +1,4 @@
-//! Where normals live: on faces, on vertices, or on vertices that hard edges split.
+//! Normals of faces, of vertices, or of vertices split at hard edges.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use super::shapes;
@@ -8,12 +8,12 @@ use serde_json::{Value, json};
 /// Bytes of a vertex with position and normal, in single precision.
 const VERTEX_BYTES: usize = 24; // defined: 3 × 4 bytes each
 
-/// Answers `{"shape": "cube", "crease_deg": 30}`: the shape with one normal a vertex, where edges that are
-/// sharper than the angle split their vertices.
-pub(super) fn normals(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["shape", "crease_deg"])?;
-    let mesh = shapes::by_name(asked.word("shape", &["cube", "cylinder", "ball"])?)?;
-    let angle_rad = asked.number("crease_deg", [0.0, 180.0])?.to_radians();
+/// Answers `{"shape": "cube", "crease_deg": 30}`: the shape with one normal a vertex; vertices are split at
+/// edges sharper than the angle.
+pub(super) fn normals(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["shape", "crease_deg"])?;
+    let mesh = shapes::by_name(request.word("shape", &["cube", "cylinder", "ball"])?)?;
+    let angle_rad = request.number("crease_deg", [0.0, 180.0])?.to_radians();
     let shading = Shading::Crease { angle_rad, weight: NormalWeight::Angle };
     let creased = with_normals(&mesh, Topology::Indices, shading).map_err(|error| error.to_string())?;
     let mut answer = ExhibitAnswer::default();

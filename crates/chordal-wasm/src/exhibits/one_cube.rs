@@ -1,7 +1,6 @@
-//! One cell of marching cubes: eight signs, the triangles that the mesher of grids makes of them, and the faces that can be
-//! read in two ways.
+//! One cell of marching cubes: eight signs, their triangles, and the ambiguous faces.
 use super::answer::ExhibitAnswer;
-use super::plane::{once, told};
+use super::plane::{once, or_text};
 use super::request::ExhibitRequest;
 use super::shapes;
 use chordal::check::{Goal, deviation, validity};
@@ -12,20 +11,22 @@ use chordal::{Budget, Job, Mesh, Tolerance};
 use serde_json::{Value, json};
 use std::sync::OnceLock;
 
-/// The signs as bits, 1 for inside; corner `i` has its coordinates in the bits of `i`.
+/// The number of sign patterns. Signs are bits, 1 for inside; corner `i` has its coordinates in the bits of
+/// `i`.
 const PATTERNS: u32 = 256; // derived: two for each of eight corners
-/// Longer than the cell's diagonal.
+/// A tolerance that every mesh of the cell meets.
 const ANY: f64 = 2.0; // derived: the diagonal is √3
-/// How much finer the measured error is enclosed.
+/// The relative gap of the measured error.
 const GOAL: Goal = Goal { relative: 0.01, absolute: None, max: None }; // chosen: two digits are shown
 
-/// Answers `{"look": "cube", "signs": 9}`: the triangles, the faces with two readings, and the readings that were not
-/// taken. A single inside corner may be the tip of a box: then also what its triangle loses of it.
-pub(super) fn one_cube(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["look", "signs"])?;
-    let signs = asked.number("signs", [0.0, f64::from(PATTERNS - 1)])? as u32;
+/// Answers `{"look": "cube", "signs": 9}`: the triangles, the ambiguous faces, and the readings that were not
+/// taken. A single inside corner may be the corner of a box: then also the distance by which its triangle
+/// cuts it off.
+pub(super) fn one_cube(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["look", "signs"])?;
+    let signs = request.number("signs", [0.0, f64::from(PATTERNS - 1)])? as u32;
     static ALL: OnceLock<Patterns> = OnceLock::new();
-    let all = once(&ALL, Patterns::counted)?;
+    let patterns = once(&ALL, Patterns::counted)?;
     let mesh = meshed(signs)?;
     let faces: Vec<[u32; 4]> = ambiguous(signs).collect();
     let mut answer = ExhibitAnswer::default();
@@ -41,29 +42,29 @@ pub(super) fn one_cube(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> 
         "other": answer.floats(&other),
         "readings": 1_u32 << faces.len(),
         "patterns": PATTERNS,
-        "patterns_with_two": all.with_two,
-        "most_triangles": all.most_triangles,
+        "patterns_with_two": patterns.with_two,
+        "most_triangles": patterns.most_triangles,
         "lost": tip_lost(signs, mesh.as_ref())?,
     });
     Ok(answer)
 }
 
-/// What holds of all patterns.
+/// Counts over all patterns.
 struct Patterns {
-    /// How many have a face that can be read in two ways.
+    /// The number of patterns with an ambiguous face.
     with_two: usize,
     most_triangles: usize,
 }
 
 impl Patterns {
     fn counted() -> Result<Self, String> {
-        let mut all = Self { with_two: 0, most_triangles: 0 };
+        let mut counts = Self { with_two: 0, most_triangles: 0 };
         for signs in 0..PATTERNS {
-            all.with_two += usize::from(ambiguous(signs).next().is_some());
+            counts.with_two += usize::from(ambiguous(signs).next().is_some());
             let triangles = meshed(signs)?.map_or(0, |mesh| mesh.faces().len());
-            all.most_triangles = all.most_triangles.max(triangles);
+            counts.most_triangles = counts.most_triangles.max(triangles);
         }
-        Ok(all)
+        Ok(counts)
     }
 }
 
@@ -71,25 +72,27 @@ fn is_inside(signs: u32, corner: u32) -> bool {
     signs >> corner & 1 == 1
 }
 
-/// A corner of the cell of side 1 about the origin.
+/// The position of a corner; the cell has side 1 and is centred at the origin.
 fn place(corner: u32) -> [f64; 3] {
     [0, 1, 2].map(|k| f64::from(corner >> k & 1) - 0.5)
 }
 
-/// The surface in the cell, from samples of −1 and 1; none where all corners are on one side.
+/// The surface in the cell, from samples of −1 and 1; `None` if all corners are on one side.
 fn meshed(signs: u32) -> Result<Option<Mesh>, String> {
     if signs == 0 || signs == PATTERNS - 1 {
         return Ok(None);
     }
     let values = (0..8).map(|corner| if is_inside(signs, corner) { -1.0 } else { 1.0 }).collect();
-    let place = told(Affine3::cubes([-0.5; 3], 1.0))?;
-    let grid = told(Grid::new([2; 3], Samples::F64(values), place))?;
-    // Any length is allowed: what is asked for are the triangles.
-    let budget = Budget::length(told(Tolerance::new(ANY))?);
-    Ok(Some(told(grid_to_mesh(&grid, &Polygonize::below(0.0).open(), Some(&budget), &Job::default()))?.shape))
+    let place = or_text(Affine3::cubes([-0.5; 3], 1.0))?;
+    let grid = or_text(Grid::new([2; 3], Samples::F64(values), place))?;
+    // Any length is allowed: only the triangles of the case matter.
+    let budget = Budget::length(or_text(Tolerance::new(ANY))?);
+    Ok(Some(
+        or_text(grid_to_mesh(&grid, &Polygonize::below(0.0).open(), Some(&budget), &Job::default()))?.shape,
+    ))
 }
 
-/// The faces around which the signs alternate.
+/// The ambiguous faces: the signs alternate around them.
 fn ambiguous(signs: u32) -> impl Iterator<Item = [u32; 4]> {
     shapes::CUBE.into_iter().filter(move |face| {
         let [a, b, c, d] = face.map(|corner| is_inside(signs, corner));
@@ -97,8 +100,15 @@ fn ambiguous(signs: u32) -> impl Iterator<Item = [u32; 4]> {
     })
 }
 
-/// The mesher cuts inside corners off, each by itself; this is the other way, around the outside corners: two segments as
-/// ends one after the other.
+/// The other reading of an ambiguous face. The mesher separates the inside corners; this one separates the
+/// outside corners. Two segments, as their ends.
+///
+/// ```text
+/// mesher       other reading
+/// ●─╱─○        ●─╲─○     ● inside, ○ outside
+/// ╱   ╱        ╲   ╲
+/// ○─╱─●        ○─╲─●
+/// ```
 fn other_reading(signs: u32, face: [u32; 4]) -> Vec<[f64; 3]> {
     let between = |i: usize, j: usize| {
         let [p, q] = [place(face[i % 4]), place(face[j % 4])];
@@ -108,12 +118,12 @@ fn other_reading(signs: u32, face: [u32; 4]) -> Vec<[f64; 3]> {
     outside.flat_map(|i| [between(i + 3, i), between(i, i + 1)]).collect()
 }
 
-/// How far the mesh is from the corner of a box that ends in the middle of the cell and gives the same signs: where one
-/// corner alone is inside.
+/// If a single corner is inside: the distance of the mesh from a box whose corner is in the middle of the
+/// cell and which gives the same signs.
 fn tip_lost(signs: u32, mesh: Option<&Mesh>) -> Result<Option<Value>, String> {
     let Some(mesh) = mesh.filter(|_| signs.count_ones() == 1) else { return Ok(None) };
     let far = place(signs.trailing_zeros());
-    // The three faces that meet in the middle, each from there to the cell's sides.
+    // The three faces of the box, from its corner in the middle to the sides of the cell.
     let square = |k: usize| {
         let [i, j] = [(k + 1) % 3, (k + 2) % 3];
         [[0.0, 0.0], [far[i], 0.0], [far[i], far[j]], [0.0, far[j]]].map(|[x, y]| {
@@ -124,9 +134,9 @@ fn tip_lost(signs: u32, mesh: Option<&Mesh>) -> Result<Option<Value>, String> {
     };
     let corners = (0..3).flat_map(square).collect();
     let quads: Vec<[u32; 4]> = (0..3).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect();
-    let truth = shapes::made(corners, shapes::from_quads(&quads))?;
-    let found = told(deviation(&truth, mesh, &GOAL, &Job::default()))?;
-    Ok(found.bound.at_most().map(Value::from))
+    let truth = shapes::mesh_from(corners, shapes::from_quads(&quads))?;
+    let measured = or_text(deviation(&truth, mesh, &GOAL, &Job::default()))?;
+    Ok(measured.bound.at_most().map(Value::from))
 }
 
 #[cfg(test)]

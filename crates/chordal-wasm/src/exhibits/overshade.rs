@@ -1,6 +1,6 @@
-//! Overshading: what a screen of few pixels shades for triangles of a size.
+//! Overshading: the shading work of a small screen for triangles of a given size.
 use super::answer::ExhibitAnswer;
-use super::plane::{once, told};
+use super::plane::{once, or_text};
 use super::request::ExhibitRequest;
 use super::shapes;
 use chordal::budget::camera::{Camera, Projection, Screen};
@@ -12,19 +12,19 @@ use std::sync::OnceLock;
 
 /// The screen, in pixels: quads are 2 by 2.
 const SCREEN: Screen = Screen { width_px: 36, height_px: 24 };
-/// Sides of triangles, in pixels.
+/// The range of the sides of triangles, in pixels.
 const SIDES: [f64; 2] = [0.3, 16.0]; // defined: what the slider offers
-/// More edges than this are a grey, and are not drawn.
-const DRAWN: usize = 3000; // chosen
-/// Each side on the curve of costs is so much shorter than the one before.
+/// Meshes with more triangles are not drawn.
+const DRAWN: usize = 3000; // chosen: the edges of more would be a grey area
+/// The ratio of successive sides on the curve of costs.
 const STEP: f64 = 0.85; // chosen: 25 of them
 
-/// Answers `{"side": 4}`: a sheet of triangles with sides of so many pixels, and what is shaded for it.
-pub(super) fn overshade(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["side"])?;
-    let side = asked.number("side", SIDES)?;
+/// Answers `{"side": 4}`: a sheet of triangles with sides of that many pixels, and its shading work.
+pub(super) fn overshade(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["side"])?;
+    let side = request.number("side", SIDES)?;
     let sheet = sheet(side)?;
-    let found = counted(&sheet)?;
+    let counts = counted(&sheet)?;
     static CURVE: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
     let curve = once(&CURVE, costs)?;
     let mut answer = ExhibitAnswer::default();
@@ -32,30 +32,30 @@ pub(super) fn overshade(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String>
     answer.facts = json!({
         "mesh": drawn,
         "screen": [SCREEN.width_px, SCREEN.height_px],
-        "launches": found.launches,
-        "columns": found.quad_columns,
-        "triangles": found.in_view,
+        "launches": counts.launches,
+        "columns": counts.quad_columns,
+        "triangles": counts.in_view,
         "area_px": 0.25 * 3.0_f64.sqrt() * side * side,
-        "missed": found.missed,
-        "missed_share": found.missed as f64 / found.in_view as f64,
-        "micro_share": found.micro_share(),
-        "covered": found.covered_px,
-        "lanes": found.visible.lanes(),
-        "ratio": found.ratio(),
+        "missed": counts.missed,
+        "missed_share": counts.missed as f64 / counts.in_view as f64,
+        "micro_share": counts.micro_share(),
+        "covered": counts.covered_px,
+        "lanes": counts.visible.lanes(),
+        "ratio": counts.ratio(),
         "curve": curve,
     });
     Ok(answer)
 }
 
-/// The cost of triangles from the largest sides to the smallest.
+/// The lanes per pixel for each side, from the largest to the smallest.
 fn costs() -> Result<Vec<(f64, f64)>, String> {
     let mut side = SIDES[1];
-    let mut all = Vec::new();
+    let mut curve = Vec::new();
     while side >= SIDES[0] {
-        all.push((side, counted(&sheet(side)?)?.ratio()));
+        curve.push((side, counted(&sheet(side)?)?.ratio()));
         side *= STEP;
     }
-    Ok(all)
+    Ok(curve)
 }
 
 fn counted(sheet: &Mesh) -> Result<Overshade, String> {
@@ -68,12 +68,12 @@ fn counted(sheet: &Mesh) -> Result<Overshade, String> {
         projection: Projection::Orthographic { height: 2.0 * h },
         screen: SCREEN,
     };
-    told(shaded(sheet, &camera, HitSides::Both, &Job::default()))
+    or_text(shaded(sheet, &camera, HitSides::Both, &Job::default()))
 }
 
-/// Equal triangles that cover the screen, a unit a pixel, somewhat turned as those of a surface are.
+/// Equal triangles that cover the screen, one unit a pixel, slightly rotated.
 pub(super) fn sheet(side: f64) -> Result<Mesh, String> {
-    let (sin, cos) = chordal::math::elementary::sin_cos(0.2); // chosen: along no row of pixels
+    let (sin, cos) = chordal::math::elementary::sin_cos(0.2); // chosen: no edge is parallel to a row of pixels
     let high = 0.5 * 3.0_f64.sqrt() * side;
     // The screen's half diagonal is below 22 pixels.
     let n = (22.0 / high) as i32 + 2;
@@ -89,7 +89,8 @@ pub(super) fn sheet(side: f64) -> Result<Mesh, String> {
         [[a, a + 1, a + wide], [a + 1, a + wide + 1, a + wide]]
     };
     let rows = 2 * n as u32;
-    shapes::made(positions, (0..rows).flat_map(|j| (0..wide - 1).flat_map(move |i| cell(j, i))).collect())
+    let faces = (0..rows).flat_map(|j| (0..wide - 1).flat_map(move |i| cell(j, i))).collect();
+    shapes::mesh_from(positions, faces)
 }
 
 #[cfg(test)]
@@ -99,9 +100,9 @@ mod tests {
     #[test]
     fn all_pixels_are_covered_and_the_cost_climbs_to_four_lanes_a_pixel() {
         let ratio = |side: f64| {
-            let found = counted(&sheet(side).unwrap()).unwrap();
-            assert_eq!(found.covered_px, 864);
-            found.ratio()
+            let counts = counted(&sheet(side).unwrap()).unwrap();
+            assert_eq!(counts.covered_px, 864);
+            counts.ratio()
         };
         assert!(
             ratio(16.0) < 1.4 && ratio(2.0) > 1.8 && ratio(0.5) > 3.7,

@@ -1,4 +1,4 @@
-//! Fields of the plane and their level curves, as figures of 12 by 8 units show them.
+//! Planar fields and their level curves, for figures of 12 by 8 units.
 use super::answer::ExhibitAnswer;
 use chordal::convert::{Polygonize, field_to_polyline, grid_to_polyline};
 use chordal::explicit::Polyline;
@@ -11,9 +11,10 @@ use std::sync::OnceLock;
 
 /// The width and height of a figure.
 pub(super) const SIZE: [f64; 2] = [12.0, 8.0];
-/// How far samples reach beyond the figure, so that the ends of level curves are out of sight.
+/// The margin of the samples around the figure. Chosen: the ends of level curves are out of sight.
 const BEYOND: f64 = 0.5;
-/// A value that is outside of everything: level curves close along the border.
+/// A value above all levels, so that level curves close along the border. Chosen: far above those of the
+/// figures.
 const FAR: f64 = 1e3;
 
 /// A point of the plane in space.
@@ -28,62 +29,62 @@ pub(super) fn value_at(tape: &Tape, point: [f64; 2]) -> Result<f64, String> {
     Ok(values[0])
 }
 
-/// Any of the library's errors as a sentence.
-pub(super) fn told<T, E: ToString>(result: Result<T, E>) -> Result<T, String> {
+/// Turns the error of a result into its text.
+pub(super) fn or_text<T, E: ToString>(result: Result<T, E>) -> Result<T, String> {
     result.map_err(|error| error.to_string())
 }
 
-/// Samples of an expression on a lattice of this step over the figure and a margin, those at the border far
-/// outside.
+/// Samples of an expression on a lattice over the figure and its margin; those at the border are [`FAR`].
 fn sampled(expr: &Expr, step: f64) -> Result<Grid, String> {
     let n = SIZE.map(|side| ((side + 2.0 * BEYOND) / step) as usize + 1);
     let points: Vec<[f64; 3]> = (0..n[0] * n[1])
         .map(|row| raised([row % n[0], row / n[0]].map(|i| step * i as f64 - BEYOND)))
         .collect();
     let mut values = vec![0.0; points.len()];
-    told(Tape::new(expr).at(&points, &mut values))?;
+    or_text(Tape::new(expr).at(&points, &mut values))?;
     for (row, value) in values.iter_mut().enumerate() {
         let [i, j] = [row % n[0], row / n[0]];
         if i == 0 || j == 0 || i + 1 == n[0] || j + 1 == n[1] {
             *value = FAR;
         }
     }
-    let place = told(Affine3::cubes([-BEYOND, -BEYOND, 0.0], step))?;
-    told(Grid::new([n[0], n[1], 1], Samples::F64(values), place))
+    let place = or_text(Affine3::cubes([-BEYOND, -BEYOND, 0.0], step))?;
+    or_text(Grid::new([n[0], n[1], 1], Samples::F64(values), place))
 }
 
-/// What lies below a level.
+/// The region below a level.
 pub(super) struct Region {
     level: f64,
     lines: Vec<Polyline<2>>,
 }
 
-/// The regions below each level, as closed lines; for figures, not for proofs.
+/// The regions below each level, as closed lines; good enough for figures, without a bound.
 pub(super) fn below(expr: &Expr, levels: &[f64], step: f64) -> Result<Vec<Region>, String> {
     let grid = sampled(expr, step)?;
     let region = |level: &f64| {
-        // Without any there is nothing below the level.
-        let made = grid_to_polyline(&grid, &Polygonize::below(*level), &Job::default());
-        Region { level: *level, lines: made.map(|made| made.shape).unwrap_or_default() }
+        // An error means that nothing is below the level.
+        let lines = grid_to_polyline(&grid, &Polygonize::below(*level), &Job::default());
+        Region { level: *level, lines: lines.map(|lines| lines.shape).unwrap_or_default() }
     };
     Ok(levels.iter().map(region).collect())
 }
 
 /// Regions as arrays of coordinates.
-pub(super) fn regions(answer: &mut ExhibitAnswer, all: &[Region]) -> Value {
-    all.iter().map(|region| json!({ "level": region.level, "loops": loops(answer, &region.lines) })).collect()
+pub(super) fn regions(answer: &mut ExhibitAnswer, regions: &[Region]) -> Value {
+    let facts = |region: &Region| json!({ "level": region.level, "loops": loops(answer, &region.lines) });
+    regions.iter().map(facts).collect()
 }
 
-/// What is the same for every question is made at the first one.
+/// The value of a cell, computed at the first call.
 pub(super) fn once<T>(
-    place: &'static OnceLock<T>,
+    cell: &'static OnceLock<T>,
     make: impl FnOnce() -> Result<T, String>,
 ) -> Result<&'static T, String> {
-    match place.get() {
-        Some(made) => Ok(made),
+    match cell.get() {
+        Some(value) => Ok(value),
         None => {
-            let made = make()?;
-            Ok(place.get_or_init(|| made))
+            let value = make()?;
+            Ok(cell.get_or_init(|| value))
         }
     }
 }
@@ -93,19 +94,19 @@ pub(super) fn loops(answer: &mut ExhibitAnswer, lines: &[Polyline<2>]) -> Value 
     lines.iter().map(|line| answer.floats(line.points.as_flattened())).collect()
 }
 
-/// The outline of a field within a length that no figure shows.
+/// The outline of a field within a length.
 pub(super) fn outline(field: &Field, length: f64) -> Result<Vec<Polyline<2>>, String> {
-    let budget = Budget::length(told(Tolerance::new(length))?);
-    Ok(told(field_to_polyline(field, &budget, &Job::default()))?.shape)
+    let budget = Budget::length(or_text(Tolerance::new(length))?);
+    Ok(or_text(field_to_polyline(field, &budget, &Job::default()))?.shape)
 }
 
-/// The signed distance to lines, exact: a field of its own.
+/// The exact signed distance to lines, as a field.
 pub(super) fn distance_to(lines: &[Polyline<2>]) -> Result<Field, String> {
     let points: Vec<Vec<[f64; 2]>> = lines.iter().map(|line| line.points.clone()).collect();
-    Ok(told(Contours::new(&points, ContourFill::EvenOdd))?.into_field())
+    Ok(or_text(Contours::new(&points, ContourFill::EvenOdd))?.into_field())
 }
 
-/// Lines as triangles without area, so that what compares meshes compares them.
+/// Lines as triangles without area, so that functions for meshes can compare them.
 pub(super) fn thin_mesh(lines: &[Polyline<2>]) -> Result<Mesh, String> {
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     for line in lines {
@@ -114,5 +115,5 @@ pub(super) fn thin_mesh(lines: &[Polyline<2>]) -> Result<Mesh, String> {
         let n = line.points.len() as u32;
         faces.extend((0..n).map(|k| [start + k, start + (k + 1) % n, start + (k + 1) % n]));
     }
-    super::shapes::made(positions, faces)
+    super::shapes::mesh_from(positions, faces)
 }

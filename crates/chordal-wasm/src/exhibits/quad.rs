@@ -1,15 +1,15 @@
-//! The triangle is planar, the quad bulges.
+//! A triangle is planar, a quad may bulge.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use chordal::explicit::polygons::{Diagonal, Quad};
 use chordal::explicit::{Triangle, interpolate};
 use serde_json::json;
 
-/// Answers `{"corners": [[x, y, z] × 4]}`: how far the fourth corner is from the plane of the others, and the
-/// two surfaces that the corners can stand for.
-pub(super) fn quad(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["corners"])?;
-    let corners = asked.points::<3>("corners", [4, 4])?;
+/// Answers `{"corners": [[x, y, z] × 4]}`: the distance of the fourth corner from the plane of the others,
+/// and the two surfaces that the corners may mean.
+pub(super) fn quad(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["corners"])?;
+    let corners = request.points::<3>("corners", [4, 4])?;
     let [a, b, c, d] = [corners[0], corners[1], corners[2], corners[3]];
     let quad = Quad { corners: [a, b, c, d] };
     let triangle = Triangle { corners: [a, b, c] };
@@ -27,7 +27,7 @@ pub(super) fn quad(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         "flattest": match quad.flattest() { Diagonal::First => "first", Diagonal::Second => "second" },
         "triangles": [Diagonal::First.triangles(), Diagonal::Second.triangles()],
         "middles": middles,
-        // How high the second diagonal's middle is above the first one's.
+        // The height of the second diagonal's middle above the first one's.
         "middle_rise": middles[1][2] - middles[0][2],
         "corner_height": triangle.height_of(c),
     })))
@@ -37,7 +37,7 @@ pub(super) fn quad(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
 mod tests {
     use super::*;
 
-    fn asked(height: f64) -> serde_json::Value {
+    fn facts_of(height: f64) -> serde_json::Value {
         let question = format!(
             r#"{{"exhibit": "quad", "corners": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, {height}]]}}"#
         );
@@ -46,8 +46,8 @@ mod tests {
 
     #[test]
     fn three_corners_are_always_flat_and_four_only_where_the_fourth_lies_in_their_plane() {
-        assert_eq!((&asked(0.0)["bulge"], &asked(0.0)["is_flat"]), (&json!(0.0), &json!(true)));
-        let bent = asked(0.5);
+        assert_eq!((&facts_of(0.0)["bulge"], &facts_of(0.0)["is_flat"]), (&json!(0.0), &json!(true)));
+        let bent = facts_of(0.5);
         assert_eq!((&bent["bulge"], &bent["is_flat"]), (&json!(0.5), &json!(false)));
         assert_eq!((&bent["middle_rise"], &bent["corner_height"]), (&json!(0.25), &json!(0.0)));
     }

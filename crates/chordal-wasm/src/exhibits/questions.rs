@@ -1,33 +1,33 @@
-//! The six questions at the end: what their exhibits say at rest.
+//! The six questions at the end: the facts of their exhibits in the initial state.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use serde_json::{Map, Value};
 
-/// The exhibits whose numbers may be asked for.
+/// The most exhibits in a request.
 const MOST: usize = 6; // defined: a question each
 
-/// Answers `{"asked": [{"exhibit": "quad", …}, …]}`: the facts of each exhibit by its name, without what is only drawn.
-pub(super) fn questions(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["asked"])?;
-    let mut all = Map::new();
-    for question in asked.questions("asked", MOST)? {
+/// Answers `{"asked": [{"exhibit": "quad", …}, …]}`: the facts of each exhibit by its name, without arrays.
+pub(super) fn questions(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["asked"])?;
+    let mut facts_by_name = Map::new();
+    for question in request.questions("asked", MOST)? {
         let name = question["exhibit"].as_str().unwrap_or_default();
         if name == "questions" {
-            return Err("asked names other exhibits than this one".to_owned());
+            return Err("asked cannot contain the exhibit 'questions' itself".to_owned());
         }
         let mut facts = super::answered(question.to_string().as_bytes())?.facts;
         without_arrays(&mut facts);
-        all.insert(name.to_owned(), facts);
+        facts_by_name.insert(name.to_owned(), facts);
     }
-    Ok(ExhibitAnswer::new(Value::Object(all)))
+    Ok(ExhibitAnswer::new(Value::Object(facts_by_name)))
 }
 
-/// What stands among the bytes of an answer is nothing without them.
+/// Replaces references to arrays by null, since the bytes of the answer are dropped.
 fn without_arrays(value: &mut Value) {
     match value {
-        Value::Object(all) if all.contains_key("f32") || all.contains_key("u32") => *value = Value::Null,
-        Value::Object(all) => all.values_mut().for_each(without_arrays),
-        Value::Array(all) => all.iter_mut().for_each(without_arrays),
+        Value::Object(map) if map.contains_key("f32") || map.contains_key("u32") => *value = Value::Null,
+        Value::Object(map) => map.values_mut().for_each(without_arrays),
+        Value::Array(list) => list.iter_mut().for_each(without_arrays),
         _ => {}
     }
 }

@@ -1,7 +1,7 @@
-//! `ExhibitRequest`: what an exhibit is asked, one value at a time.
+//! `ExhibitRequest`: the JSON of an exhibit's request, read one value at a time.
 use serde_json::{Map, Value};
 
-/// The largest coordinate: the exhibits' own are below 100.
+/// The largest coordinate. Chosen: those of the exhibits are below 100.
 const LARGEST: f64 = 1e6;
 
 /// A JSON object without its `exhibit`.
@@ -11,9 +11,9 @@ impl ExhibitRequest {
     /// The name of the exhibit, and the rest.
     pub fn parse(bytes: &[u8]) -> Result<(String, Self), String> {
         let value = serde_json::from_slice(bytes).map_err(|error| format!("a question is JSON: {error}"))?;
-        let Value::Object(mut all) = value else { return Err("a question is a JSON object".to_owned()) };
-        match all.shift_remove("exhibit") {
-            Some(Value::String(name)) => Ok((name, Self(all))),
+        let Value::Object(mut object) = value else { return Err("a question is a JSON object".to_owned()) };
+        match object.shift_remove("exhibit") {
+            Some(Value::String(name)) => Ok((name, Self(object))),
             _ => Err("a question names its exhibit".to_owned()),
         }
     }
@@ -21,7 +21,9 @@ impl ExhibitRequest {
     /// Refuses any other key.
     pub fn only(&self, keys: &[&str]) -> Result<(), String> {
         match self.0.keys().find(|key| !keys.contains(&key.as_str())) {
-            Some(key) => Err(format!("there is no '{key}' in this question; there are {}", keys.join(", "))),
+            Some(key) => {
+                Err(format!("unknown key '{key}' in this question; the keys are {}", keys.join(", ")))
+            }
             None => Ok(()),
         }
     }
@@ -33,14 +35,14 @@ impl ExhibitRequest {
     /// A number from `low` to `high`.
     pub fn number(&self, key: &str, [low, high]: [f64; 2]) -> Result<f64, String> {
         let value = self.get(key);
-        let found = value.as_f64().filter(|number| *number >= low && *number <= high);
-        found.ok_or_else(|| format!("{key} is a number from {low} to {high}, not {value}"))
+        let number = value.as_f64().filter(|number| *number >= low && *number <= high);
+        number.ok_or_else(|| format!("{key} is a number from {low} to {high}, not {value}"))
     }
 
-    /// One of these words.
+    /// One of some words.
     pub fn word<'a>(&self, key: &str, words: &[&'a str]) -> Result<&'a str, String> {
-        let found = self.get(key).as_str().and_then(|said| words.iter().find(|word| **word == said));
-        found.copied().ok_or_else(|| format!("{key} is one of {}", words.join(", ")))
+        let word = self.get(key).as_str().and_then(|text| words.iter().find(|word| **word == text));
+        word.copied().ok_or_else(|| format!("{key} is one of {}", words.join(", ")))
     }
 
     /// A point of D coordinates.
@@ -54,43 +56,43 @@ impl ExhibitRequest {
         key: &str,
         [low, high]: [usize; 2],
     ) -> Result<Vec<[f64; D]>, String> {
-        let all = self.get(key).as_array().filter(|all| (low..=high).contains(&all.len()));
-        let found = all.and_then(|all| all.iter().map(point).collect());
-        found.ok_or_else(|| {
+        let values = self.get(key).as_array().filter(|values| (low..=high).contains(&values.len()));
+        let points = values.and_then(|values| values.iter().map(point).collect());
+        points.ok_or_else(|| {
             format!("{key} is a list of {low} to {high} points of {D} coordinates of at most {LARGEST}")
         })
     }
 
-    /// Row numbers below `below`, at most as many.
+    /// At most `below` indices below `below`.
     pub fn rows(&self, key: &str, below: usize) -> Result<Vec<u32>, String> {
-        let all = self.get(key).as_array().filter(|all| all.len() <= below);
+        let values = self.get(key).as_array().filter(|values| values.len() <= below);
         let row = |value: &Value| value.as_u64().filter(|row| *row < below as u64).map(|row| row as u32);
-        let found = all.and_then(|all| all.iter().map(row).collect());
-        found.ok_or_else(|| format!("{key} is a list of whole numbers below {below}"))
+        let rows = values.and_then(|values| values.iter().map(row).collect());
+        rows.ok_or_else(|| format!("{key} is a list of whole numbers below {below}"))
     }
 
     /// At most `most` questions to exhibits.
     pub fn questions(&self, key: &str, most: usize) -> Result<&[Value], String> {
-        let all =
-            self.get(key).as_array().filter(|all| all.len() <= most && all.iter().all(Value::is_object));
-        all.map(Vec::as_slice).ok_or_else(|| format!("{key} is a list of at most {most} questions"))
+        let is_valid = |values: &&Vec<Value>| values.len() <= most && values.iter().all(Value::is_object);
+        let values = self.get(key).as_array().filter(is_valid);
+        values.map(Vec::as_slice).ok_or_else(|| format!("{key} is a list of at most {most} questions"))
     }
 
-    /// Words of a list of at most `most`.
+    /// At most `most` words.
     pub fn words(&self, key: &str, most: usize) -> Result<Vec<&str>, String> {
-        let all = self.get(key).as_array().filter(|all| all.len() <= most);
-        let found = all.and_then(|all| all.iter().map(Value::as_str).collect());
-        found.ok_or_else(|| format!("{key} is a list of at most {most} words"))
+        let values = self.get(key).as_array().filter(|values| values.len() <= most);
+        let words = values.and_then(|values| values.iter().map(Value::as_str).collect());
+        words.ok_or_else(|| format!("{key} is a list of at most {most} words"))
     }
 }
 
 fn point<const D: usize>(value: &Value) -> Option<[f64; D]> {
-    let all = value.as_array().filter(|all| all.len() == D)?;
-    let mut found = [0.0; D];
-    for (x, value) in found.iter_mut().zip(all) {
+    let values = value.as_array().filter(|values| values.len() == D)?;
+    let mut coordinates = [0.0; D];
+    for (x, value) in coordinates.iter_mut().zip(values) {
         *x = value.as_f64().filter(|x| x.abs() <= LARGEST)?;
     }
-    Some(found)
+    Some(coordinates)
 }
 
 fn wrong_point<const D: usize>(key: &str) -> String {

@@ -1,4 +1,4 @@
-//! The models that exhibits show. They are what is asked about; nothing here is an answer.
+//! The models that exhibits show.
 use chordal::{Mesh, Patch};
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub(super) fn by_name(name: &str) -> Result<Mesh, String> {
     }
 }
 
-/// The patches of the teapot, in the order of their file: a count, then for each its degrees and its points.
+/// The patches of the teapot. Its file has a count, then for each patch its degrees and its points.
 pub(super) fn teapot() -> Vec<Patch> {
     let numbers: Vec<f64> = TEAPOT.split_ascii_whitespace().filter_map(|word| word.parse().ok()).collect();
     // 1 for the count; 2 degrees and 16 points for each patch.
@@ -32,7 +32,7 @@ pub(super) fn teapot() -> Vec<Patch> {
 /// The cube of edge 2 about the origin.
 pub(super) fn cube() -> Result<Mesh, String> {
     let corners = (0..8).map(|i: u32| [0, 1, 2].map(|k| f64::from(i >> k & 1) * 2.0 - 1.0)).collect();
-    made(corners, from_quads(&CUBE))
+    mesh_from(corners, from_quads(&CUBE))
 }
 
 /// The faces of a cube whose corner `i` has its coordinates in the bits of `i`.
@@ -60,23 +60,23 @@ fn cylinder() -> Result<Mesh, String> {
         let fan = (1..SIDES - 1).map(|i| [low, low + i, low + i + 1]);
         faces.extend(fan.map(|[a, b, c]| if flip { [a, c, b] } else { [a, b, c] }));
     }
-    made(positions, faces)
+    mesh_from(positions, faces)
 }
 
-/// An icosahedron whose triangles are cut in four so many times, its vertices on the ball of radius 1.
+/// An icosahedron whose triangles are split in four `rounds` times, with its vertices on the unit sphere.
 pub(super) fn ball(rounds: u32) -> Result<Mesh, String> {
     let golden = 0.5 + 0.5 * 5.0_f64.sqrt();
     let mut positions: Vec<[f64; 3]> = Vec::new();
     for k in 0..3 {
-        for (one, other) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        for (short, long) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
             let mut p = [0.0; 3];
-            (p[k], p[(k + 1) % 3]) = (one, other);
+            (p[k], p[(k + 1) % 3]) = (short, long);
             positions.push(p);
         }
     }
-    // Any three corners at the distance of an edge are a face, counter-clockwise from outside.
+    // Any three vertices that are an edge apart form a face, counter-clockwise from outside.
     let apart_sq = |a: [f64; 3], b: [f64; 3]| (0..3).fold(0.0, |sum, k| sum + (a[k] - b[k]) * (a[k] - b[k]));
-    // Edges have the length 2, and the next distance is 2 golden ratios.
+    // Edges have length 2; the next larger distance is twice the golden ratio.
     let is_edge = |a: [f64; 3], b: [f64; 3]| apart_sq(a, b) < 5.0;
     let mut faces = Vec::new();
     for a in 0..12 {
@@ -95,7 +95,7 @@ pub(super) fn ball(rounds: u32) -> Result<Mesh, String> {
     for _ in 0..rounds {
         faces = cut_in_four(&mut positions, &faces);
     }
-    made(positions, faces)
+    mesh_from(positions, faces)
 }
 
 /// The centre is behind every face.
@@ -124,10 +124,10 @@ fn to_sphere(p: &mut [f64; 3]) {
     *p = p.map(|x| x / length);
 }
 
-/// A mountain of 4 by 4 kilometres, 1.4 high, in metres: a massif with ridges and smaller hills.
+/// A mountain of 4 by 4 km, 1.4 km high, in metres: a massif with ridges and smaller hills.
 pub(super) fn mountain() -> Result<Mesh, String> {
     /// Cells along a side.
-    const CELLS: u32 = 64; // chosen: 8,192 triangles, of which a pixel at 3 km leaves a part
+    const CELLS: u32 = 64; // chosen: 8,192 triangles, some of which are finer than a pixel at 3 km
     let sin = |x: f64| chordal::math::elementary::sin_cos(x).0;
     let height = |x: f64, y: f64| {
         let massif = 1.0 / (1.0 + 2.2 * (x * x + y * y));
@@ -146,11 +146,11 @@ pub(super) fn mountain() -> Result<Mesh, String> {
         let a = cell / CELLS * wide + cell % CELLS;
         [a, a + 1, a + wide + 1, a + wide]
     });
-    made(positions.collect(), from_quads(&quads.collect::<Vec<_>>()))
+    mesh_from(positions.collect(), from_quads(&quads.collect::<Vec<_>>()))
 }
 
-/// A mesh from rows.
-pub(super) fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Mesh, String> {
+/// A mesh from positions and faces.
+pub(super) fn mesh_from(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Mesh, String> {
     Mesh::new(positions, faces).map_err(|error| error.to_string())
 }
 
@@ -163,9 +163,9 @@ mod tests {
     #[test]
     fn every_model_is_closed_and_faces_outward() {
         for (mesh, faces) in [(cube(), 12), (cylinder(), 92), (ball(0), 20), (ball(1), 80), (ball(2), 320)] {
-            let found = validity(&mesh.unwrap(), Topology::Indices);
-            assert_eq!(found.triangles, faces);
-            assert!(found.closed && found.manifold() && found.oriented && found.measure.signed_volume > 0.5);
+            let valid = validity(&mesh.unwrap(), Topology::Indices);
+            assert_eq!(valid.triangles, faces);
+            assert!(valid.closed && valid.manifold() && valid.oriented && valid.measure.signed_volume > 0.5);
         }
         assert_eq!(teapot().len(), 32);
     }

@@ -1,7 +1,7 @@
-//! Marching squares: a lattice of samples, the lines through it, and the corners that it loses.
+//! Marching squares: a lattice of samples, its isolines, and the corners that they cut off.
 use super::answer::ExhibitAnswer;
 use super::one_cube::one_cube;
-use super::plane::{SIZE, loops, once, raised, thin_mesh, told};
+use super::plane::{SIZE, loops, once, or_text, raised, thin_mesh};
 use super::request::ExhibitRequest;
 use chordal::check::{Goal, deviation};
 use chordal::convert::{Polygonize, field_to_mesh, grid_to_polyline};
@@ -15,31 +15,31 @@ use std::sync::OnceLock;
 
 /// Cells along the figure.
 const CELLS: [f64; 2] = [6.0, 48.0]; // defined: what the slider offers
-/// The truth that errors are measured against is itself within this.
+/// The tolerance of the outline that errors are measured against.
 const CLOSE: f64 = 0.002; // chosen: below a pixel of the figure
-/// How much finer the measured error is enclosed.
+/// The relative gap of the measured error.
 const GOAL: Goal = Goal { relative: 0.02, absolute: None, max: None }; // chosen: two digits are shown
 
-/// Answers `{"look": "lattice", "cells": 16, "method": "squares"}`: samples, lines and their largest error; or one cell
-/// in space, as [`one_cube`] says.
-pub(super) fn squares(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    if asked.word("look", &["lattice", "cube"])? == "cube" {
-        return one_cube(asked);
+/// Answers `{"look": "lattice", "cells": 16, "method": "squares"}`: samples, lines and their largest error. A
+/// request with "cube" is answered by [`one_cube`].
+pub(super) fn squares(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    if request.word("look", &["lattice", "cube"])? == "cube" {
+        return one_cube(request);
     }
-    asked.only(&["look", "cells", "method"])?;
-    let cells = asked.number("cells", CELLS)?.round();
-    let method = asked.word("method", &["squares", "corners"])?;
+    request.only(&["look", "cells", "method"])?;
+    let cells = request.number("cells", CELLS)?.round();
+    let method = request.word("method", &["squares", "corners"])?;
     let step = SIZE[0] / cells;
     let shape = shapes()?;
     let grid = sampled(&shape, step)?;
     let lines = match method {
-        "squares" => told(grid_to_polyline(&grid, &Polygonize::below(0.0), &Job::default()))?.shape,
+        "squares" => or_text(grid_to_polyline(&grid, &Polygonize::below(0.0), &Job::default()))?.shape,
         _ => with_corners(&shape, 0.25 * step)?,
     };
     static TRUTH: OnceLock<Vec<Polyline<2>>> = OnceLock::new();
     let truth = once(&TRUTH, || with_corners(&shape, CLOSE))?;
-    let found = told(deviation(&thin_mesh(truth)?, &thin_mesh(&lines)?, &GOAL, &Job::default()))?;
-    let worst = *found.worst();
+    let measured = or_text(deviation(&thin_mesh(truth)?, &thin_mesh(&lines)?, &GOAL, &Job::default()))?;
+    let worst = *measured.worst();
     let mut answer = ExhibitAnswer::default();
     let values: Vec<f64> = (0..grid.samples().len()).map(|row| grid.samples().get(row)).collect();
     answer.facts = json!({
@@ -51,8 +51,8 @@ pub(super) fn squares(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         "lines": loops(&mut answer, &lines),
         "segments": lines.iter().map(Polyline::n_segments).sum::<usize>(),
         "ambiguous": ambiguous(&grid),
-        "error": found.bound.at_most(),
-        "error_at_least": found.bound.at_least(),
+        "error": measured.bound.at_most(),
+        "error_at_least": measured.bound.at_least(),
         "worst": [[worst.from[0], worst.from[1]], [worst.to[0], worst.to[1]]],
     });
     Ok(answer)
@@ -60,11 +60,11 @@ pub(super) fn squares(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
 
 /// A square on its corner, a triangle that almost touches it, and a disc.
 fn shapes() -> Result<Field, String> {
-    let square = told(told(rectangle([3.2, 3.2]))?.rotated_deg([0.0, 0.0, 1.0], 33.0))?;
-    let square = told(square.moved([3.3, 3.9, 0.0]))?;
-    let wedge = told(told(regular_polygon(3, 2.0))?.rotated_deg([0.0, 0.0, 1.0], 172.0))?;
-    let wedge = told(wedge.moved([7.45, 4.75, 0.0]))?;
-    let disc = told(told(circle(1.3))?.moved([9.8, 2.5, 0.0]))?;
+    let square = or_text(or_text(rectangle([3.2, 3.2]))?.rotated_deg([0.0, 0.0, 1.0], 33.0))?;
+    let square = or_text(square.moved([3.3, 3.9, 0.0]))?;
+    let wedge = or_text(or_text(regular_polygon(3, 2.0))?.rotated_deg([0.0, 0.0, 1.0], 172.0))?;
+    let wedge = or_text(wedge.moved([7.45, 4.75, 0.0]))?;
+    let disc = or_text(or_text(circle(1.3))?.moved([9.8, 2.5, 0.0]))?;
     Ok(square.union(&wedge).union(&disc))
 }
 
@@ -73,12 +73,13 @@ fn sampled(shape: &Field, step: f64) -> Result<Grid, String> {
     let points: Vec<[f64; 3]> =
         (0..n[0] * n[1]).map(|row| raised([row % n[0], row / n[0]].map(|i| step * i as f64))).collect();
     let mut values = vec![0.0; points.len()];
-    told(shape.tape().at(&points, &mut values))?;
-    let place = told(Affine3::cubes([0.0; 3], step))?;
-    told(Grid::new([n[0], n[1], 1], Samples::F64(values), place))
+    or_text(shape.tape().at(&points, &mut values))?;
+    let place = or_text(Affine3::cubes([0.0; 3], step))?;
+    or_text(Grid::new([n[0], n[1], 1], Samples::F64(values), place))
 }
 
-/// The cells whose corners alternate between inside and outside: their four crossings can be joined in two ways.
+/// The ambiguous cells: their corners alternate between inside and outside, so their four crossings can be
+/// joined in two ways.
 fn ambiguous(grid: &Grid) -> Vec<[usize; 2]> {
     let [nx, ny, _] = grid.size();
     let inside = |i, j| grid.sample([i, j, 0]) < 0.0;
@@ -89,13 +90,13 @@ fn ambiguous(grid: &Grid) -> Vec<[usize; 2]> {
     (0..ny - 1).flat_map(|j| (0..nx - 1).map(move |i| [i, j])).filter(mixed).collect()
 }
 
-/// The outline as the mesher of fields makes it, which puts vertices where two primitives meet: that of a slab
-/// over the shape, along its upper face.
+/// The outline by the mesher of fields, which puts vertices where two primitives meet: the rim of the upper
+/// face of a slab over the shape.
 fn with_corners(shape: &Field, length: f64) -> Result<Vec<Polyline<2>>, String> {
-    let slab = told(shape.extruded(2.0))?;
-    let budget = Budget::length(told(Tolerance::new(length))?);
-    let made = told(field_to_mesh(&slab, &budget, &Job::default()))?;
-    Ok(rim(&made.shape))
+    let slab = or_text(shape.extruded(2.0))?;
+    let budget = Budget::length(or_text(Tolerance::new(length))?);
+    let mesh = or_text(field_to_mesh(&slab, &budget, &Job::default()))?;
+    Ok(rim(&mesh.shape))
 }
 
 /// The rim of the highest face of a mesh, counter-clockwise.
@@ -106,7 +107,7 @@ fn rim(mesh: &Mesh) -> Vec<Polyline<2>> {
     for face in mesh.faces().iter().filter(|face| face.iter().all(|row| is_top(*row))) {
         for k in 0..3 {
             let [from, to] = [face[k], face[(k + 1) % 3]];
-            // A side that two of them share is run through both ways.
+            // An edge that two faces share occurs in both directions, and is no part of the rim.
             if !sides.remove(&[to, from]) {
                 sides.insert([from, to]);
             }

@@ -1,6 +1,6 @@
-//! Sphere tracing: a ray goes as far at a time as the value says is free.
+//! Sphere tracing: each step of a ray is as long as the value of the field allows.
 use super::answer::ExhibitAnswer;
-use super::plane::{Region, below, loops, once, outline, raised, regions, told};
+use super::plane::{Region, below, loops, once, or_text, outline, raised, regions};
 use super::request::ExhibitRequest;
 use chordal::explicit::Polyline;
 use chordal::implicit::Field;
@@ -12,35 +12,35 @@ use std::sync::OnceLock;
 
 /// The eye.
 const EYE: [f64; 2] = [0.9, 4.2];
-/// How near is there.
+/// A ray that is closer to the surface has arrived.
 const CLOSE: f64 = 0.01; // chosen: less than a pixel of the figure
-/// A ray that goes as far has left the figure.
+/// A ray of this length has left the figure.
 const AWAY: f64 = 14.0;
 const MOST: usize = 250; // chosen: more than any ray here takes
-/// The fan of directions whose steps are counted, in degrees.
+/// The range of directions whose steps are counted, in degrees.
 const FAN: [i32; 2] = [-42, 42];
 const PER_DEGREE: i32 = 2;
 
-/// Answers `{"aim": [x, y]}`: the steps of the ray from the eye through a point, and how many each direction of
-/// a fan takes.
-pub(super) fn tracing(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["aim"])?;
-    let aim = asked.point::<2>("aim")?;
+/// Answers `{"aim": [x, y]}`: the steps of the ray from the eye through a point, and the number of steps in
+/// each direction of a fan.
+pub(super) fn tracing(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["aim"])?;
+    let aim = request.point::<2>("aim")?;
     let shape = shapes()?;
     let tape = shape.tape();
     let toward = [aim[0] - EYE[0], aim[1] - EYE[1]];
     let far = (toward[0] * toward[0] + toward[1] * toward[1]).sqrt();
     if far < CLOSE {
-        return Err(format!("the ray needs a point that is not the eye, {EYE:?}"));
+        return Err(format!("the ray needs a point other than the eye, {EYE:?}"));
     }
     let trace = traced(&tape, toward.map(|x| x / far))?;
-    static MADE: OnceLock<Around> = OnceLock::new();
-    let around = once(&MADE, || around(&shape))?;
+    static MADE: OnceLock<Scenery> = OnceLock::new();
+    let scenery = once(&MADE, || scenery(&shape))?;
     let mut answer = ExhibitAnswer::default();
-    let levels = regions(&mut answer, &around.levels);
+    let levels = regions(&mut answer, &scenery.levels);
     answer.facts = json!({
         "levels": levels,
-        "outline": loops(&mut answer, &around.outline),
+        "outline": loops(&mut answer, &scenery.outline),
         "eye": EYE,
         "close": CLOSE,
         "steps": trace.steps.iter().map(|step| json!({
@@ -51,20 +51,20 @@ pub(super) fn tracing(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
             SphereTraceEnd::Passed => "passed",
             SphereTraceEnd::Stopped => "stopped",
         },
-        "fan": around.fan,
+        "fan": scenery.fan,
     });
     Ok(answer)
 }
 
-/// What does not depend on the ray.
-struct Around {
+/// The parts of the answer that do not depend on the ray.
+struct Scenery {
     levels: Vec<Region>,
     outline: Vec<Polyline<2>>,
-    /// A direction in degrees, and its steps.
+    /// Directions in degrees, with their numbers of steps.
     fan: Vec<(f64, usize)>,
 }
 
-fn around(shape: &Field) -> Result<Around, String> {
+fn scenery(shape: &Field) -> Result<Scenery, String> {
     let tape = shape.tape();
     let mut fan = Vec::new();
     for turn in FAN[0] * PER_DEGREE..=FAN[1] * PER_DEGREE {
@@ -73,19 +73,19 @@ fn around(shape: &Field) -> Result<Around, String> {
         fan.push((deg, traced(&tape, [cos, sin])?.steps.len()));
     }
     let levels = below(shape.expr(), &[2.0, 1.5, 1.0, 0.5], 0.125)?;
-    Ok(Around { levels, outline: outline(shape, 0.002)?, fan }) // chosen: below a pixel of the figure
+    Ok(Scenery { levels, outline: outline(shape, 0.002)?, fan }) // chosen: below a pixel of the figure
 }
 
 fn traced(tape: &Tape, [x, y]: [f64; 2]) -> Result<SphereTrace, String> {
     let beam = Beam { origin: raised(EYE), direction: [x, y, 0.0], from: 0.0, to: AWAY, cone: [CLOSE, 0.0] };
-    told(sphere_trace(tape, &beam, MOST))
+    or_text(sphere_trace(tape, &beam, MOST))
 }
 
-/// A wall, a ball and a bar, apart from each other.
+/// A wall, a ball and a bar, which do not touch.
 fn shapes() -> Result<Field, String> {
-    let ball = told(told(circle(1.25))?.moved([6.1, 6.0, 0.0]))?;
-    let wall = told(told(rounded_rectangle([1.5, 3.4], 0.25))?.moved([10.3, 4.0, 0.0]))?;
-    let bar = told(segment([3.6, 1.6], [7.4, 2.5], 0.45))?;
+    let ball = or_text(or_text(circle(1.25))?.moved([6.1, 6.0, 0.0]))?;
+    let wall = or_text(or_text(rounded_rectangle([1.5, 3.4], 0.25))?.moved([10.3, 4.0, 0.0]))?;
+    let bar = or_text(segment([3.6, 1.6], [7.4, 2.5], 0.45))?;
     Ok(ball.union(&wall).union(&bar))
 }
 

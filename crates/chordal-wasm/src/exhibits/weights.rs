@@ -1,4 +1,5 @@
-//! The barycentric probe: three weights blend what stands at three corners; four corners have no such blend.
+//! The barycentric probe: three weights interpolate the values of three corners; four corners have no such
+//! weights.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use chordal::explicit::polygons::Diagonal;
@@ -8,11 +9,11 @@ use serde_json::{Value, json};
 
 /// Answers `{"corners": [[x, y] × 3 or 4], "colors": [[r, g, b] × 3 or 4], "point": [x, y]}`: the weights and
 /// the colour; for four corners, along either diagonal.
-pub(super) fn weights(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["corners", "colors", "point"])?;
-    let corners = asked.points::<2>("corners", [3, 4])?;
-    let colors = asked.points::<3>("colors", [corners.len(); 2])?;
-    let point = asked.point::<2>("point")?;
+pub(super) fn weights(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    request.only(&["corners", "colors", "point"])?;
+    let corners = request.points::<2>("corners", [3, 4])?;
+    let colors = request.points::<3>("colors", [corners.len(); 2])?;
+    let point = request.point::<2>("point")?;
     let blend = |rows: [u32; 3]| -> Value {
         let triangle = Triangle { corners: rows.map(|row| corners[row as usize]) };
         let Some(weights) = triangle.barycentric(point) else { return Value::Null };
@@ -27,7 +28,7 @@ pub(super) fn weights(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     if corners.len() == 3 {
         return Ok(ExhibitAnswer::new(json!({ "blends": [blend([0, 1, 2])], "color_gap": null })));
     }
-    // The half of the quad in which the point lies, for each diagonal; the first where it lies in neither.
+    // For a diagonal, the half of the quad that contains the point; the first half if neither does.
     let half = |diagonal: Diagonal| {
         let halves = diagonal.triangles();
         let holds = |rows: &[u32; 3]| {
@@ -47,13 +48,13 @@ pub(super) fn weights(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
 mod tests {
     use super::*;
 
-    fn asked(question: &str) -> Value {
+    fn facts_of(question: &str) -> Value {
         weights(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
 
     #[test]
     fn the_weights_sum_to_one_and_blend_the_colours() {
-        let facts = asked(
+        let facts = facts_of(
             r#"{"exhibit": "weights", "corners": [[0, 0], [4, 0], [0, 4]], "point": [1, 2],
                 "colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}"#,
         );
@@ -71,7 +72,7 @@ mod tests {
                 "exhibit": "weights", "corners": [[0, 0], [4, 0], [0, 4]], "point": point,
                 "colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
             });
-            let facts = asked(&question.to_string());
+            let facts = facts_of(&question.to_string());
             assert_eq!(facts["blends"][0]["smallest"], json!(smallest), "{point:?}");
             assert_eq!(facts["blends"][0]["is_inside"], json!(smallest >= 0.0), "{point:?}");
             assert_eq!(facts["blends"][0]["sum"], json!(1.0));
@@ -80,7 +81,7 @@ mod tests {
 
     #[test]
     fn four_corners_have_two_answers() {
-        let facts = asked(
+        let facts = facts_of(
             r#"{"exhibit": "weights", "corners": [[0, 0], [4, 0], [4, 4], [0, 4]], "point": [2, 2],
                 "colors": [[1, 0, 0], [0, 1, 0], [1, 0, 0], [0, 1, 0]]}"#,
         );
