@@ -63,19 +63,6 @@ class SurfaceArguments(TypedDict):
     unit: str | None
 
 @type_check_only
-class MendArguments(TypedDict):
-    all: bool
-    weld: str | None
-    drop_duplicates: str | None
-    drop_degenerate: bool
-    resolve_t_junctions: str | None
-    split_nonmanifold: bool
-    orient: bool
-    nested: str
-    fill_holes: int | None
-    drop_unused: bool
-
-@type_check_only
 class LodArguments(TypedDict):
     options: list[Option]
     tiles: bool
@@ -309,7 +296,7 @@ def levels(
     source: Source, arguments: LodArguments, progress: Callable[[str, int, int], object] | None
 ) -> Levels: ...
 def mend(
-    source: Source, arguments: MendArguments, format: str, progress: Callable[[str, int, int], object] | None
+    source: Source, options: list[Option], format: str, progress: Callable[[str, int, int], object] | None
 ) -> Outcome: ...
 def picture(
     source: Source,

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Literal, SupportsIndex
 
 from chordal import _chordal
 from chordal._arguments import function, warn, whole
-from chordal._budget import Length, length
+from chordal._budget import Length
 from chordal._hints import keywords_hinted
 from chordal._made import counted
+from chordal._option_tables import REPAIRS
+from chordal._options import options
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -60,26 +62,26 @@ class Mendable(Sourced):
         """
         from chordal._mesh import Mesh
 
-        winding = None if drop_duplicates is False else "any" if drop_duplicates is True else drop_duplicates
-        holes = None if fill_holes is False else 0 if fill_holes is True else whole("fill_holes", fill_holes)
-        arguments: _chordal.MendArguments = {
-            "all": bool(all),
-            "weld": _closeness("weld", weld),
-            "drop_duplicates": winding,
-            "drop_degenerate": bool(drop_degenerate),
-            "resolve_t_junctions": _closeness("resolve_t_junctions", resolve_t_junctions),
-            "split_nonmanifold": bool(split_nonmanifold),
-            "orient": bool(orient),
-            "nested": str(nested),
-            "fill_holes": holes,
-            "drop_unused": bool(drop_unused),
-        }
-        repairs = [value for name, value in arguments.items() if name != "nested"]
-        if not [value for value in repairs if value is not None and value is not False]:
+        repairs = options(
+            REPAIRS,
+            all=all,
+            weld=_closeness(weld),
+            drop_duplicates="any" if drop_duplicates is True else drop_duplicates,
+            drop_degenerate=drop_degenerate,
+            resolve_t_junctions=_closeness(resolve_t_junctions),
+            split_nonmanifold=split_nonmanifold,
+            orient=orient,
+            drop_unused=drop_unused,
+        )
+        most = None if isinstance(fill_holes, bool) else whole("fill_holes", fill_holes)
+        if fill_holes is not False:
+            repairs.append(("fill-holes", "fill_holes", "" if most is None else str(most)))
+        if not repairs:
             raise ValueError("name a repair: all=True, weld=True, orient=True, fill_holes=True, …")
-        mended = Mesh._of(_chordal.mend(self._source, arguments, "ply", function("progress", progress)))
-        if arguments["all"] or holes is not None:
-            _warn_of_holes(mended, holes)
+        repairs += options(REPAIRS, nested=nested)
+        mended = Mesh._of(_chordal.mend(self._source, repairs, "ply", function("progress", progress)))
+        if all or fill_holes is not False:
+            _warn_of_holes(mended, most)
         return mended
 
 
@@ -102,8 +104,6 @@ def _warn_of_holes(mesh: Mesh, most: int | None) -> None:
     )
 
 
-def _closeness(name: str, value: bool | Length) -> str | None:
-    """The argument of a repair with a tolerance: None for no repair, an empty text for an exact one, or a length."""
-    if isinstance(value, bool):
-        return "" if value else None
-    return length(name, value)
+def _closeness(value: bool | Length) -> bool | Length | None:
+    """The argument of a repair with a tolerance: False for no repair, an empty text for an exact one, or a length."""
+    return "" if value is True else value

@@ -21,6 +21,20 @@ READING: Final[dict[str, tuple[str, str]]] = {
     "drop_nonfinite": ("drop-nonfinite", "flag"),
 }
 
+REPAIRS: Final[dict[str, tuple[str, str]]] = {
+    "format": ("to", "text"),
+    "all": ("all", "flag"),
+    "weld": ("weld", "length"),
+    "drop_duplicates": ("drop-duplicates", "word"),
+    "drop_degenerate": ("drop-degenerate", "flag"),
+    "resolve_t_junctions": ("resolve-t-junctions", "length"),
+    "split_nonmanifold": ("split-nonmanifold", "flag"),
+    "orient": ("orient", "flag"),
+    "nested": ("nested", "word"),
+    "fill_holes": ("fill-holes", "count"),
+    "drop_unused": ("drop-unused", "flag"),
+}
+
 MESH: Final[dict[str, tuple[str, str]]] = {
     "tol": ("tol", "length"),
     "pixels": ("px", "number"),

@@ -7,7 +7,7 @@ import inspect
 import pytest
 
 import chordal
-from chordal._option_tables import LOD, MESH, SURFACE
+from chordal._option_tables import LOD, MESH, REPAIRS, SURFACE
 
 #: What is another method's: `export` writes a format with normals, `BudgetUnmet.best` keeps the best, `Cage.refined` has levels.
 ELSEWHERE = {"format", "normals", "keep_best", "level"}
@@ -27,6 +27,10 @@ def test_the_keywords_of_mesh_and_flatten_are_options_of_meshes_and_volumes() ->
 def test_the_keywords_of_lod_are_options_of_levels() -> None:
     of_packing = {"quantize", "compress"}
     assert keywords(chordal.Shape.lod) - of_packing == set(LOD) - {"keep_best"}
+
+
+def test_the_keywords_of_mend_are_options_of_repairs() -> None:
+    assert keywords(chordal.Shape.mend) == set(REPAIRS) - {"format"}
 
 
 def test_a_value_without_sense_names_its_keyword() -> None:

@@ -30,12 +30,14 @@ impl<S> DerefMut for TableArgs<S> {
 
 impl<S: OptionTable> Args for TableArgs<S> {
     fn augment_args(command: Command) -> Command {
-        let mut groups: Vec<&str> = S::ROWS.iter().filter_map(|row| row.group).collect();
+        let mut groups: Vec<&str> = S::ROWS.iter().flat_map(|row| row.groups).copied().collect();
+        groups.sort_unstable();
         groups.dedup();
         let command = S::ROWS.iter().fold(command, |command, row| command.arg(argument(row)));
         groups.into_iter().fold(command, |command, group| {
-            let members = S::ROWS.iter().filter(|row| row.group == Some(group)).map(|row| row.name);
-            command.group(ArgGroup::new(group).args(members).multiple(true))
+            let members = S::ROWS.iter().filter(|row| row.groups.contains(&group)).map(|row| row.name);
+            let is_required = S::REQUIRED_GROUP == Some(group);
+            command.group(ArgGroup::new(group).args(members).multiple(true).required(is_required))
         })
     }
 
@@ -93,11 +95,15 @@ fn argument<S: OptionTable>(row: &'static OptionRow<S>) -> Arg {
         (_, false) => ArgAction::Set,
     };
     let argument = argument.value_name(row.value_name).action(action);
+    let argument = match row.bare {
+        Some(bare) => argument.num_args(0..=1).require_equals(true).default_missing_value(bare),
+        None => argument,
+    };
     if let OptionValues::Words(words) = row.values {
         let words = words.iter().map(|(word, help)| PossibleValue::new(*word).help(*help));
         return argument.value_parser(PossibleValuesParser::new(words));
     }
-    // Places on the Earth begin with a minus as well.
+    // Longitudes and latitudes can begin with a minus as well.
     argument
         .allow_hyphen_values(row.values != OptionValues::Time)
         .value_parser(move |text: &str| (row.set)(&mut S::default(), text).map(|()| text.to_owned()))
@@ -118,10 +124,10 @@ mod tests {
 
     #[test]
     fn the_order_of_options_does_not_matter() {
-        let one = parse::<MeshOptions>("--tol 0.1 --angle 5deg --normals flat").expect("all are options");
-        let other = parse::<MeshOptions>("--normals flat --angle 5 --tol 0.1").expect("all are options");
-        assert_eq!(one.request.spec().ok(), other.request.spec().ok());
-        assert_eq!(one.first_given, Some("tol"));
+        let first = parse::<MeshOptions>("--tol 0.1 --angle 5deg --normals flat").expect("all are options");
+        let second = parse::<MeshOptions>("--normals flat --angle 5 --tol 0.1").expect("all are options");
+        assert_eq!(first.request.spec().ok(), second.request.spec().ok());
+        assert_eq!(first.first_given, Some("tol"));
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! The files that are written from the tables of options: `docs/options.md`, and what the Python package knows of them.
 //! `CHORDAL_WRITE_OPTIONS=1` writes them anew.
 use chordal_verbs::SurfaceSpec;
-use chordal_verbs::options::{LodOptions, MeshOptions, OptionRow, OptionTable, OptionValues, ReadOptions};
+use chordal_verbs::options::{
+    LodOptions, MendOptions, MeshOptions, OptionRow, OptionTable, OptionValues, ReadOptions,
+};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -39,8 +41,9 @@ fn the_python_package_has_the_same_tables() {
         "\"\"\"The options of the command by keyword, each with the form of its values. Written from the tables in \n\
          `crates/chordal-verbs/src/options` by `CHORDAL_WRITE_OPTIONS=1 cargo test -p chordal-verbs --test all options`.\"\"\"\n\n\
          from __future__ import annotations\n\n\
-         from typing import Final\n\n{}\n{}\n{}\n{}",
+         from typing import Final\n\n{}\n{}\n{}\n{}\n{}",
         python_table::<ReadOptions>("READING"),
+        python_table::<MendOptions>("REPAIRS"),
         python_table::<MeshOptions>("MESH"),
         python_table::<LodOptions>("LOD"),
         python_table::<SurfaceSpec>("SURFACE"),
@@ -53,7 +56,11 @@ fn cell(text: &str) -> String {
 }
 
 fn markdown_row<S>(row: &OptionRow<S>) -> String {
-    let value = if row.value_name.is_empty() { String::new() } else { format!(" {}", row.value_name) };
+    let value = match (row.value_name, row.bare) {
+        ("", _) => String::new(),
+        (name, None) => format!(" {name}"),
+        (name, Some(_)) => format!("[={name}]"),
+    };
     let spelled = |name: &str, value: Option<&str>| match value {
         Some(value) => format!("`--{name} {value}`"),
         None => format!("`--{name}`"),
@@ -67,8 +74,11 @@ fn markdown_row<S>(row: &OptionRow<S>) -> String {
         write!(help, " Default: `{default}`.").unwrap();
     }
     if let Some(needed) = row.needs {
-        let needed = if needed == "budget" { "a limit".to_owned() } else { format!("`--{needed}`") };
-        write!(help, " Needs {needed}.").unwrap();
+        match needed {
+            "budget" => {}
+            "orienting" => help.push_str(" Needs `--orient` or `--all`."),
+            option => write!(help, " Needs `--{option}`.").unwrap(),
+        }
     }
     format!("| `--{}{value}` | `{}` | {help} |\n", row.name, row.keyword)
 }
@@ -82,13 +92,15 @@ fn markdown_table<S: OptionTable>(title: &str) -> String {
 fn the_page_of_options_is_written_from_the_tables() {
     let text = format!(
         "# Options\n\n\
-         What the command, the Python package and the web module can set for `mesh`, `lod` and volumes. The command takes \n\
-         options, Python keywords, and the web module keys of JSON: the option's name with `_` for `-`. One table in \n\
-         `crates/chordal-verbs/src/options` holds them all, and this page is written from it.\n\n{}{}{}{}",
+         Options of `mesh`, `lod` and `mend`, and of inputs and volumes. Each is an option of the command, a keyword in \n\
+         Python, and, but for those of `lod` and `mend`, a key of JSON in the web module: its name with `_` for `-`. Outputs, \n\
+         threads and memory are set by options of the command alone, which its help lists. This page is written from the \n\
+         tables in `crates/chordal-verbs/src/options`.\n\n{}{}{}{}{}",
         markdown_table::<ReadOptions>("Inputs"),
         markdown_table::<MeshOptions>("Meshes"),
         markdown_table::<LodOptions>("Levels of detail"),
         markdown_table::<SurfaceSpec>("Volumes"),
+        markdown_table::<MendOptions>("Repairs"),
     );
     assert_written("docs/options.md", &format!("{}\n", text.replace(" \n", "\n").trim_end()));
 }

@@ -162,8 +162,8 @@ impl OptionTable for LodOptions {
         OptionRow::<Self>::new(
             "errors",
             (ERRORS, "WHICH"),
-            "Errors in tiles: scaled, so that the formula of viewers, which is exact in the middle of the screen, keeps the \
-             pixels everywhere on it; or plain, the proved errors",
+            "Errors in tiles: scaled, enlarged so that a viewer's pixel error holds at the edges of the screen as well; or \
+             plain, as proved",
             |options, text| {
                 let words = [("scaled", TileErrors::Scaled), ("plain", TileErrors::Plain)];
                 store(&mut options.errors, word(text, &words))

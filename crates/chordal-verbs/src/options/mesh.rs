@@ -118,9 +118,9 @@ const LIMITS: &str = "budget";
 
 const EVIDENCE: OptionValues = OptionValues::Words(&[
     ("proved", "A proof; the exit code is 5 if there is none"),
-    ("proved-or-measured", "A proof, and measurements where it does not end: the default"),
+    ("proved-or-measured", "A proof, else samples: the default"),
     ("measured", "Samples: faster"),
-    ("estimated", "An instant draft, without a bound"),
+    ("estimated", "An instant draft whose distance nobody knows"),
 ]);
 const SPACINGS: OptionValues = OptionValues::Words(&[
     ("fewest", "As few segments as possible, or nearly"),
@@ -139,7 +139,7 @@ impl OptionTable for MeshOptions {
             "Maximum distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its bounding box",
             |options, text| store_some(&mut options.budget.length, length(text)),
         )
-        .in_group(LIMITS),
+        .in_groups(&[LIMITS]),
         OptionRow::<Self>::new(
             "px",
             (OptionValues::Number, "PIXELS"),
@@ -147,7 +147,7 @@ impl OptionTable for MeshOptions {
             |options, text| store_some(&mut options.pixels, text.parse()),
         )
         .keyword("pixels")
-        .in_group(LIMITS),
+        .in_groups(&[LIMITS]),
         OptionRow::<Self>::new(
             "view",
             (OptionValues::Text, "VIEW"),
@@ -172,19 +172,19 @@ impl OptionTable for MeshOptions {
             "Maximum number of triangles: the best mesh with at most N",
             |options, text| store_some(&mut options.budget.triangles, count(text)),
         )
-        .in_group(LIMITS),
+        .in_groups(&[LIMITS]),
         OptionRow::<Self>::new(
             "segments",
             COUNT,
             "For curves to polylines (.svg, .json): maximum number of segments in total",
             |options, text| store_some(&mut options.budget.segments, count(text)),
         )
-        .in_group(LIMITS),
+        .in_groups(&[LIMITS]),
         OptionRow::<Self>::new(
             "require",
             (EVIDENCE, "EVIDENCE"),
-            "Evidence required for a field. By default the proof may take about as long as the mesh, and what it leaves open \
-             is measured. Other shapes are always proved",
+            "Evidence required for a field. By default a proof is tried for about as long as meshing took; if it does not end, \
+             the mesh is measured, and the places without a proof are listed. Other inputs are proved",
             |options, text| store_some(&mut options.budget.require, text.parse()),
         ),
         OptionRow::<Self>::flag(

@@ -5,12 +5,14 @@
 //! keys of JSON, and `docs/options.md` is written from them. A value is always a text as the command reads it, so that
 //! one parser judges it, whichever shell it comes from.
 mod lod;
+mod mend;
 mod mesh;
 mod reading;
 mod surface;
 pub mod values;
 
 pub use lod::{LodContainer, LodOptions};
+pub use mend::MendOptions;
 pub use mesh::MeshOptions;
 pub use reading::ReadOptions;
 
@@ -26,6 +28,9 @@ pub use reading::ReadOptions;
 /// # Ok::<(), String>(())
 /// ```
 pub trait OptionTable: Default + Send + Sync + 'static {
+    /// The group of which one option has to be given, if there is one.
+    const REQUIRED_GROUP: Option<&'static str> = None;
+
     /// The options, in the order in which help lists them.
     const ROWS: &'static [OptionRow<Self>];
 
@@ -66,8 +71,10 @@ pub struct OptionRow<S> {
     pub needs: Option<&'static str>,
     /// The options and groups that exclude it.
     pub conflicts: &'static [&'static str],
-    /// The group that it belongs to.
-    pub group: Option<&'static str>,
+    /// The groups that it belongs to.
+    pub groups: &'static [&'static str],
+    /// The value if it is given without one; options with such a value take another only after `=`.
+    pub bare: Option<&'static str>,
     /// Whether it may be given several times.
     pub is_repeatable: bool,
     /// Sets it from the text of a value.
@@ -104,6 +111,8 @@ pub enum OptionSection {
     Result,
     /// Levels of detail.
     Levels,
+    /// Repairs of meshes.
+    Repairs,
     /// Which surface of a volume is meshed.
     Volumes,
 }
@@ -117,6 +126,7 @@ impl OptionSection {
             Self::Budget => "Budget",
             Self::Result => "Result",
             Self::Levels => "Levels",
+            Self::Repairs => "Repairs",
             Self::Volumes => "Volumes",
         }
     }
@@ -140,7 +150,8 @@ impl<S> OptionRow<S> {
             default: None,
             needs: None,
             conflicts: &[],
-            group: None,
+            groups: &[],
+            bare: None,
             is_repeatable: false,
             set,
         }
@@ -174,8 +185,12 @@ impl<S> OptionRow<S> {
         Self { conflicts, ..self }
     }
 
-    const fn in_group(self, group: &'static str) -> Self {
-        Self { group: Some(group), ..self }
+    const fn in_groups(self, groups: &'static [&'static str]) -> Self {
+        Self { groups, ..self }
+    }
+
+    const fn or_bare(self, bare: &'static str) -> Self {
+        Self { bare: Some(bare), ..self }
     }
 
     const fn repeatable(self) -> Self {
@@ -232,13 +247,14 @@ mod tests {
                     String::new()
                 });
                 let of_table = |name: &&'static str| {
-                    S::row(name).is_some() || S::ROWS.iter().any(|row| row.group == Some(*name))
+                    S::row(name).is_some() || S::ROWS.iter().any(|row| row.groups.contains(name))
                 };
                 assert!(row.needs.iter().chain(row.conflicts).all(of_table), "{}", row.name);
             }
         }
         check::<MeshOptions>();
         check::<LodOptions>();
+        check::<MendOptions>();
         check::<SurfaceSpec>();
         check::<ReadOptions>();
     }
