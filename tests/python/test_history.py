@@ -219,7 +219,7 @@ def test_of_several_functions_nobody_knows_which_it_was(tmp_path: Path) -> None:
     (meshes[0].translate(0, 0, 5) + meshes[1]).export(tmp_path / "a.ply")
     verified = chordal.verify(tmp_path / "a.ply", [*meshes, *fields])
     assert verified["verdict"] == "not re-proved"
-    assert any("can only be known where one field is given" in claim.get("reason", "") for claim in verified["claims"])
+    assert any("can only be identified if just one field is given" in claim.get("reason", "") for claim in verified["claims"])
 
 
 def test_what_shows_nothing_is_in_a_scene_too() -> None:

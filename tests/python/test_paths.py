@@ -220,7 +220,7 @@ def test_texts_that_a_font_cannot_set_are_one_sentence(tmp_path: Path) -> None:
         chordal.load(whole, text="AB")
     with pytest.raises(chordal.ReadError):
         chordal.load(whole)
-    with pytest.raises(chordal.ReadError, match="says nothing of obj"):
+    with pytest.raises(chordal.ReadError, match="does not apply to obj"):
         chordal.load(b"v 0 0 0\n", format="obj", text="A")
     with pytest.raises(ValueError, match="em, axes: they are for the text"):
         chordal.load(whole, em=2)

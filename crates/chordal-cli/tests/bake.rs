@@ -58,7 +58,7 @@ fn an_array_of_numpy_has_the_distances_and_the_report_its_place() {
     let output = folder.text("corner.npy");
     let made = report(&run(&["bake", &input, "--cells", "8", "-o", &output, "--json"]));
     let notes = made["certificate"]["notes"].to_string();
-    assert!(notes.contains("npy holds no place"), "{notes}");
+    assert!(notes.contains("npy holds no origin"), "{notes}");
     let seen = report(&run(&["inspect", &output, "--json"]));
     assert_eq!(seen["inspection"]["volume"]["samples"], "f64");
     assert_eq!(seen["inspection"]["volume"]["size"], made["certificate"]["baked"]["size"]);

@@ -105,8 +105,8 @@ fn a_count_that_is_not_reached_names_the_pieces_that_stand_in_the_way() {
         .collect();
     let (input, output) = (folder.file("three.obj", moved), folder.text("few.ply"));
     let args = ["mesh", &input, "-o", &output, "--triangles", "9"];
-    let why = "12 triangles are left and 9 are allowed: a count alone takes away no separate piece";
-    let pieces = "3 pieces: piece 0 (4), piece 1 (4), piece 2 (4); a length beside the count";
+    let why = "12 triangles are left and 9 are allowed: a count alone removes no separate piece";
+    let pieces = "3 pieces: piece 0 (4), piece 1 (4), piece 2 (4); a length in addition to the count";
     run(&args).fails_with(5, &["three.obj: ", why, pieces]);
     let kept = run(&[&args[..], &["--keep-best"]].concat());
     kept.fails_with(5, &[why]);
@@ -131,7 +131,7 @@ fn a_sheet_with_a_back_says_why_it_stays_and_what_helps() {
     let (input, output) = (folder.file("cloth.obj", text), folder.text("fewer.ply"));
     let why = "400 of 400 triangles are left: where edges have three triangles or more (280x)";
     let help =
-        "200 of them lie on another one, as the backs of a sheet do: --drop-duplicates of mend leaves one";
+        "200 of them lie on another one, like the back side of a sheet: --drop-duplicates of mend leaves one";
     // On the terminal, and not only in the report.
     let told = run(&["mesh", &input, "--tol", "1%", "-o", &output]);
     assert_eq!(told.code, 0, "{told:?}");

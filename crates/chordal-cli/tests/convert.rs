@@ -132,7 +132,7 @@ fn straight_drawings_and_samples_go_to_where_they_are_held() {
     let cube = folder.file("cube.obj", CLOSED_OBJ);
     run(&["bake", &cube, "-o", &folder.text("a.nrrd"), "--cells", "4", "-q"]).succeeds();
     let npy = convert(&folder, "a.nrrd", "a.npy", &[]);
-    assert!(notes(&npy).contains("npy holds no place"), "{}", notes(&npy));
+    assert!(notes(&npy).contains("npy holds no origin"), "{}", notes(&npy));
     convert(&folder, "a.nrrd", "b.nrrd", &[]);
     assert_eq!(fs::read(folder.path("a.nrrd")).unwrap(), fs::read(folder.path("b.nrrd")).unwrap());
 }

@@ -256,8 +256,8 @@ fn the_letter_names_place_meaning_and_cure() {
     let shown = run(&["inspect", &file]);
     shown.succeeds();
     let wanted = format!(
-        "\n  4 boundary edges in 1 loop: the surface ends there, so that it has no inside; what fills it may cross the \
-         surface, which `inspect --self-intersections` tells afterwards\n\
+        "\n  4 boundary edges in 1 loop: the surface ends there, so that it has no inside; the filling may cross the \
+         surface, which `inspect --self-intersections` shows afterwards\n\
          \x20   where     edge 0-1 of triangle 2 at (0.5, 0, 0)\n\
          \x20             edge 3-2 of triangle 5 at (0.5, 1, 0)\n\
          \x20             and 2 more\n\

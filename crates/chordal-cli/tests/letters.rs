@@ -237,7 +237,7 @@ fn what_does_not_go_together_is_refused_in_a_sentence() {
         (3, vec![&font, "--tol", "1", "--text", "A", "--axis", "wght=1000"], "from 400 to 900"),
         (3, vec![&font, "--tol", "1", "--text", "A", "--em", "0"], "not 0"),
         (3, vec![&cut, "--tol", "1", "--text", "A"], "font"),
-        (3, vec![&svg, "--tol", "1", "--text", "A"], "--text says nothing of svg"),
+        (3, vec![&svg, "--tol", "1", "--text", "A"], "--text does not apply to svg"),
         (3, vec![&woff, "--tol", "1", "--text", "A"], "fonttools unpacks it"),
         (2, vec![&font, "--tol", "1", "--em", "3"], "--text"),
         (2, vec![&font, "--tol", "1", "--axis", "wght=500"], "--text"),

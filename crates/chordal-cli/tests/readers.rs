@@ -38,7 +38,7 @@ fn a_volume_that_says_no_level_ends_with_one_code_and_one_sentence_in_every_verb
     let mut sentences = Vec::new();
     for words in cases {
         let done = run(words);
-        done.fails_with(2, &["nothing says where the surface is", "--iso LEVEL"]);
+        done.fails_with(2, &["the level of the surface is not known", "--iso LEVEL"]);
         sentences.push(done.stderr.clone());
     }
     sentences.dedup();

@@ -288,7 +288,7 @@ fn the_bound_of_a_mesh_counts_that_lines_stand_for_curves() {
     for (scale, length) in [(1.0, "0.1"), (3.0, "0.2")] {
         let text = format!("move(scale(extrude(svg('disc.svg', 0.02), 3), {scale}), 1, 2)\n");
         let (most, notes) = meshed(&text, length);
-        assert!(notes.contains("the bound counts that straight lines stand for curves"), "{notes}");
+        assert!(notes.contains("the bound includes the distance of straight lines"), "{notes}");
         // How far the middles of edges along the wall are from the circle, which nothing of the program says.
         let from_axis = |p: [f64; 3]| (p[0] - 1.0).hypot(p[1] - 2.0);
         let mut off: f64 = 0.0;
@@ -314,7 +314,7 @@ fn the_bound_of_a_mesh_counts_that_lines_stand_for_curves() {
         let file = folder.file("disc.star", text);
         let told = run(&["mesh", &file, "--tol", length, "-o", &out, "--force"]);
         for said in [notes, told.stdout] {
-            assert!(said.contains("no bound counts that straight lines stand for curves"), "{said}");
+            assert!(said.contains("the bound does not include the distance of straight lines"), "{said}");
             assert!(said.contains(why), "{said}");
         }
     }

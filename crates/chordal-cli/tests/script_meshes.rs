@@ -68,7 +68,7 @@ fn only_files_below_the_folder_of_the_script_or_an_allowed_one_are_read() {
     let script = folder.file("scripts/number.star", "mesh(3)\n");
     run(&["inspect", &script]).fails_showing(3, &["needs the name of a file, not a number"]);
     let script = folder.file("scripts/self.star", "mesh('self.star')\n");
-    run(&["inspect", &script]).fails_showing(3, &["no file of triangles"]);
+    run(&["inspect", &script]).fails_showing(3, &["not a file of triangles"]);
 }
 
 #[test]

@@ -78,7 +78,7 @@ fn a_distance_becomes_a_closed_ball_where_its_indices_say() {
     // A cell where the interpolant does not run steadily counts with its diagonal.
     assert!(number(&report, "/certificate/bound/at_most") < 1.75);
     let notes = certificate["notes"].to_string();
-    assert!(notes.contains("with what is below inside (taken for a signed distance)"), "{notes}");
+    assert!(notes.contains("with samples below that inside (taken for a signed distance)"), "{notes}");
     let (ends, report) = inspected(&output);
     for k in 0..3 {
         let centre = [6.0, 7.0, 8.0][k];
@@ -454,7 +454,7 @@ fn files_of_others_are_refused_by_name_with_a_way_around() {
         run(&["inspect", &file]).fails_with(3, &[words, "which is not read: "]);
     }
     let unknown = folder.file("x", b"\x01\x02\x03");
-    run(&["inspect", &unknown]).fails_with(3, &["what is read is bpt, ", "slc, star"]);
+    run(&["inspect", &unknown]).fails_with(3, &["formats that can be read are bpt, ", "slc, star"]);
     let obj = folder.file("t.obj", CLOSED_OBJ);
     for (name, words) in [("o.jpg", "a JPEG picture"), ("o.fbx", "FBX"), ("o.step", "STEP")] {
         let output = folder.text(name);

@@ -21,7 +21,7 @@ use chordal_io::{
 };
 use std::io::Write;
 
-/// The bound of a refined cage's polygons against its limit surface; `None` where it is unknown.
+/// The bound of a refined cage's polygons against its limit surface; `None` if it is unknown.
 fn bound_to_limit(cage: &Cage, job: &Job) -> Option<Bound> {
     check::limit_deviation(cage, job).ok()
 }
@@ -43,7 +43,7 @@ pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<Message> {
     let mut notes: Vec<Message> = Vec::new();
     if let Some(texcoords) = polygons.cage.texcoords() {
         notes.push(format!(
-            "texture coordinates are those of their own limit surface (linear: {}); the bound is not about them",
+            "texture coordinates are those of their own limit surface (linear: {}); the bound does not cover them",
             linear_name(texcoords.linear)
         ).into());
         notes.extend(missing_texcoords_note(&polygons.cage));
@@ -55,14 +55,14 @@ pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<Message> {
     notes
 }
 
-/// A note for cages where only some faces have texture coordinates.
+/// A note if faces of a cage lack texture coordinates.
 fn missing_texcoords_note(cage: &Cage) -> Option<Message> {
     let texcoords = cage.texcoords()?;
-    let mut rest = &texcoords.corners[..];
+    let mut remaining = &texcoords.corners[..];
     let n = cage.faces().filter(|face| {
-        let (of, after) = rest.split_at(face.len());
-        rest = after;
-        of.contains(&CornerTexcoords::NONE)
+        let (corners, after) = remaining.split_at(face.len());
+        remaining = after;
+        corners.contains(&CornerTexcoords::NONE)
     });
     let n = n.count();
     (n > 0)
@@ -72,7 +72,7 @@ fn missing_texcoords_note(cage: &Cage) -> Option<Message> {
 /// Polygons, or their triangulation, for a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControlMesh {
-    /// For formats that hold polygons.
+    /// The polygons, for formats that hold them.
     Polygons(Polygons),
     /// The triangulated polygons, for formats that hold only triangles.
     Triangles(Scene),
@@ -85,15 +85,15 @@ pub struct RefineOutcome {
     pub made: ControlMesh,
     /// The output format.
     pub format: Format,
-    /// What is known of the mesh, for the file and the report.
+    /// The facts about the mesh, for the file and the report.
     pub certificate: Certificate,
 }
 
 impl RefineOutcome {
-    /// Writes the mesh, and the certificate where the format can carry it.
+    /// Writes the mesh, with the certificate if the format can carry it.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let certificate = self.certificate.to_value();
         match &self.made {
@@ -102,11 +102,11 @@ impl RefineOutcome {
         }
     }
 
-    /// Writes the same as a document called `stem`, with what it names in files beside it where the format has
-    /// such files: see [`write_files`].
+    /// Writes the same as a document called `stem`, with the files that it names, if the format has such files: see
+    /// [`write_files`].
     ///
     /// # Errors
-    /// When the format cannot hold it.
+    /// If the format cannot hold it.
     pub fn write_files(&self, stem: &str) -> Result<FileSet<'_>, WriteError> {
         match &self.made {
             ControlMesh::Triangles(scene) => {
@@ -118,7 +118,7 @@ impl RefineOutcome {
         }
     }
 
-    /// Whether the format names files beside it for what the mesh has: an OBJ its materials.
+    /// Whether the document names other files: an OBJ names its materials.
     #[must_use]
     pub fn names_files(&self) -> bool {
         let assets = match &self.made {
@@ -131,16 +131,16 @@ impl RefineOutcome {
 
 /// Refines a cage by some levels, in the order of [`Cage::refined_times`]; 0 levels keep it as it is.
 ///
-/// OBJ, PLY and OFF hold its polygons; OBJ also the remaining creases, so that the file has the same limit
-/// surface. For other formats quads are cut into triangles, along the diagonal that the reader of polygons
-/// takes, and get `normals`. Face groups pass to the parts of each face, and texture coordinates are refined
-/// by their own rule. Colours are kept at 0 levels only; otherwise a note says that they were dropped.
+/// OBJ, PLY and OFF hold its polygons; OBJ also the remaining creases, so that the file has the same limit surface. For
+/// other formats quads are cut into triangles, along the same diagonal as by the readers of polygons, and get `normals`.
+/// The parts of a face keep its groups, and texture coordinates are refined by their own rule. Colours are kept only at 0
+/// levels; otherwise a note says that they were dropped.
 ///
-/// Cost: as [`Cage::refined_times`]; four times as much a level.
+/// Cost: as for [`Cage::refined_times`]; four times as much a level.
 ///
 /// # Errors
-/// When the shape is no cage or the format holds no triangles; before the work when the faces or their memory
-/// exceed the limits of the job; when a coordinate overflows or does not fit the format.
+/// If the shape is not a cage or the format holds no triangles; before the work, if the faces or their memory exceed the
+/// limits of the job; if a coordinate overflows or does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -198,7 +198,7 @@ pub fn refine(
 /// The cage after some levels of refinement, in the order of [`Cage::refined_times`].
 ///
 /// # Errors
-/// As [`refine`].
+/// As for [`refine`].
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -229,29 +229,29 @@ fn not_a_cage_message(shape: &Shape, format: Format) -> Message {
     }
 }
 
-/// The most bytes that a face of the result takes while it is made and written, rounded up from what was
-/// measured for a cube and a tetrahedron of a million faces: 72 for quads, 82 for triangles of Loop's scheme.
+/// The most bytes for a face of the result while it is refined and written. Measured for a cube and a tetrahedron of a
+/// million faces, and rounded up: 72 for quads, 82 for triangles of Loop's scheme.
 const BYTES_A_QUAD: u64 = 96;
 const BYTES_A_TRIANGLE: u64 = 112;
 
-/// Additional bytes a face for texture coordinates: four rows of 4, two numbers of 8, a third of these for
+/// Additional bytes a face for texture coordinates. Derived: four rows of 4 bytes, two numbers of 8, a third of these for
 /// the round before; rounded up.
 const BYTES_OF_TEXCOORDS: u64 = 48;
 
-/// Refuses results that would be too large, before anything is made.
+/// Refuses results that would be too large, before the work.
 fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), MeshFailure> {
     let n_corners: usize = cage.faces().map(<[u32]>::len).sum();
     let is_loop = cage.scheme() == Scheme::Loop;
     let first = if is_loop { 4 * cage.n_faces() as u64 } else { n_corners as u64 };
-    let of_rounds = |rounds: u32| 4_u64.checked_pow(rounds).and_then(|parts| first.checked_mul(parts));
-    let n_faces = if levels == 0 { Some(cage.n_faces() as u64) } else { of_rounds(levels - 1) };
+    let parts_after = |rounds: u32| 4_u64.checked_pow(rounds).and_then(|parts| first.checked_mul(parts));
+    let n_faces = if levels == 0 { Some(cage.n_faces() as u64) } else { parts_after(levels - 1) };
     let Some(n_faces) = n_faces else {
         let message = format!("{levels} rounds would give more faces than can be counted");
         return Err(MeshFailure::refused(RefusalCode::TooManyTriangles, message));
     };
-    let a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
-    let beside = if cage.texcoords().is_some() { BYTES_OF_TEXCOORDS } else { 0 };
-    let bytes = n_faces.saturating_mul(a_face + beside);
+    let bytes_a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
+    let texcoord_bytes = if cage.texcoords().is_some() { BYTES_OF_TEXCOORDS } else { 0 };
+    let bytes = n_faces.saturating_mul(bytes_a_face + texcoord_bytes);
     let cut = !to.holds_polygons() && !is_loop;
     let n_triangles = n_faces.saturating_mul(if cut { 2 } else { 1 });
     if n_triangles > job.triangle_limit {
@@ -301,10 +301,10 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<Message>) -> Result<
 
 /// The number of faces that each face of the cage becomes; they are consecutive.
 fn parts_of_faces(cage: &Cage, levels: u32) -> Vec<usize> {
-    let of_rounds = |rounds: u32| 4_usize.saturating_pow(rounds);
+    let parts_after = |rounds: u32| 4_usize.saturating_pow(rounds);
     let parts = |face: &[u32]| match cage.scheme() {
-        Scheme::Loop => of_rounds(levels),
-        Scheme::CatmullClark | Scheme::Bilinear => face.len() * of_rounds(levels - 1),
+        Scheme::Loop => parts_after(levels),
+        Scheme::CatmullClark | Scheme::Bilinear => face.len() * parts_after(levels - 1),
     };
     cage.faces().map(parts).collect()
 }
@@ -322,10 +322,10 @@ fn triangles(
     let mut rows = cage.texcoords().map(|texcoords| (texcoords, &texcoords.corners[..]));
     let mut texcoords = Vec::new();
     for (number, face) in cage.faces().enumerate() {
-        let of_face = rows.as_mut().map(|(texcoords, rest)| {
-            let (of, after) = rest.split_at(face.len());
-            *rest = after;
-            (*texcoords, of)
+        let face_texcoords = rows.as_mut().map(|(texcoords, remaining)| {
+            let (corners, after) = remaining.split_at(face.len());
+            *remaining = after;
+            (*texcoords, corners)
         });
         if cage.holes().binary_search(&(number as u32)).is_ok() {
             continue;
@@ -335,8 +335,8 @@ fn triangles(
         cut.clear();
         triangulator.polygon(&points, &mut cut);
         faces.extend(cut.iter().map(|local| local.map(|corner| face[corner as usize])));
-        if let Some((values, of)) = of_face {
-            let value = |corner: &u32| values.values.get(of[*corner as usize] as usize).copied();
+        if let Some((values, corners)) = face_texcoords {
+            let value = |corner: &u32| values.values.get(corners[*corner as usize] as usize).copied();
             texcoords.extend(cut.as_flattened().iter().flat_map(|corner| value(corner).unwrap_or_default()));
         }
     }

@@ -1,4 +1,4 @@
-//! Leaves out the triangles with a corner twice, for the formats that forbid them.
+//! Drops the triangles that have the same corner twice, for formats that forbid them.
 use crate::MeshFailure;
 use crate::max_bound::max_bound;
 use crate::placements::part_scales;
@@ -7,7 +7,7 @@ use chordal::explicit::Topology;
 use chordal::{Job, mend};
 use chordal_io::Scene;
 
-/// Drops them from a scene whose rows are those of its file. Returns how far the surface moved by it: 0 where
+/// Drops such triangles from a scene whose rows are those of its file. Returns a bound for how far the surface moved: 0 if
 /// other triangles have the edges that they covered.
 pub(crate) fn drop_collapsed_faces(scene: &mut Scene) -> Result<Bound, MeshFailure> {
     let stretch = part_scales(scene);

@@ -1,4 +1,4 @@
-//! Triangles that are moved, and put next to each other, with the histories of what they are made of.
+//! Moves triangles, and puts them together, with the histories of the inputs.
 use crate::composed::Composed;
 use crate::origin::InputOrigin;
 use crate::placements::{IDENTITY, Matrix4, nodes_rounding};
@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
-/// As [`transform()`], with the history: the certificate of what is made of the result says how far it is from what the
-/// input was made of, where the map takes that. A certificate in the input is read for that, and its geometry looked at.
+/// As [`transform()`], with the history: the certificate of a later result states its distance from the first shape of the
+/// input, moved by the map. For that the certificate in the input is read and checked against its geometry.
 ///
 /// # Errors
 /// As for [`transform()`]; [`WriteError::Unsupported`] for other shapes than triangles.
@@ -33,14 +33,14 @@ use std::sync::Arc;
 pub fn transform_input(input: &Input, matrix: &[f64; 16]) -> Result<(Input, Stretch), WriteError> {
     let composed = composed_of(input)?;
     let MovedScene { scene, stretch } = transform(scene_in(input)?, matrix)?;
-    let off = stretch.interval(0.0, Some(composed.off())).1.unwrap_or(f64::INFINITY);
-    let composed = Composed::placed(&[(vec![*matrix], &composed)], off);
-    let made = Input { n_bytes: input.n_bytes, ..Input::made(Shape::Scene(scene), input.format) };
-    Ok((Input { composed: composed.map(Arc::new), ..made }, stretch))
+    let error = stretch.interval(0.0, Some(composed.off())).1.unwrap_or(f64::INFINITY);
+    let composed = Composed::placed(&[(vec![*matrix], &composed)], error);
+    let moved = Input { n_bytes: input.n_bytes, ..Input::made(Shape::Scene(scene), input.format) };
+    Ok((Input { composed: composed.map(Arc::new), ..moved }, stretch))
 }
 
-/// A scene of other triangles, which stand below its nodes: with their histories. `parts` are the nodes, and what all below
-/// each is.
+/// A scene of other triangles below its nodes, with their histories. `parts` are nodes, each with the input that it shows
+/// together with everything below it.
 ///
 /// # Errors
 /// [`WriteError::Unsupported`] for other shapes than triangles.
@@ -58,13 +58,13 @@ pub fn transform_input(input: &Input, matrix: &[f64; 16]) -> Result<(Input, Stre
 /// ```
 pub fn compose_input(input: Input, parts: &[(usize, &Input)]) -> Result<Input, WriteError> {
     let scene = scene_in(&input)?;
-    let known = KnownParts::new(parts.iter().map(|(_, part)| *part))?;
+    let compositions = Compositions::new(parts.iter().map(|(_, part)| *part))?;
     let mut shown: Vec<Option<&Composed>> = vec![None; scene.nodes.len()];
-    let mut offs = Vec::with_capacity(parts.len());
+    let mut errors = Vec::with_capacity(parts.len());
     for (node, part) in parts {
-        let composed = known.of(part);
+        let composed = compositions.of(part);
         shown.get_mut(*node).into_iter().for_each(|shown| *shown = composed);
-        offs.push((*node, composed.map_or(0.0, Composed::off)));
+        errors.push((*node, composed.map_or(0.0, Composed::off)));
     }
     let mut placed = Vec::with_capacity(parts.len());
     let mut open: Vec<(usize, Vec<Matrix4>)> =
@@ -79,11 +79,12 @@ pub fn compose_input(input: Input, parts: &[(usize, &Input)]) -> Result<Input, W
             None => open.extend(node.children.iter().rev().map(|child| (*child, above.clone()))),
         }
     }
-    let composed = Composed::placed(&placed, composed_bound(scene, &offs));
+    let composed = Composed::placed(&placed, composed_bound(scene, &errors));
     Ok(Input { composed: composed.map(Arc::new), ..input })
 }
 
-/// Triangles next to each other as they are, with their histories: `input` holds those of all `parts`, in this order.
+/// Triangles next to each other as they are, with their histories: `input` holds the triangles of all `parts`, in this
+/// order.
 ///
 /// # Errors
 /// As for [`compose_input`].
@@ -99,22 +100,28 @@ pub fn compose_input(input: Input, parts: &[(usize, &Input)]) -> Result<Input, W
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn join_input(input: Input, parts: &[&Input]) -> Result<Input, WriteError> {
-    let known = KnownParts::new(parts.iter().copied())?;
-    let (mut placed, mut off) = (Vec::with_capacity(parts.len()), 0.0);
+    let compositions = Compositions::new(parts.iter().copied())?;
+    let (mut placed, mut error) = (Vec::with_capacity(parts.len()), 0.0);
     for part in parts {
-        let Some(composed) = known.of(part) else { continue };
+        let Some(composed) = compositions.of(part) else { continue };
         let rounding = nodes_rounding(scene_in(part)?);
-        let own = composed.off();
-        off =
-            greater(if own == 0.0 || rounding == 0.0 { own + rounding } else { add_up(own, rounding) }, off);
+        let part_error = composed.off();
+        error = greater(
+            if part_error == 0.0 || rounding == 0.0 {
+                part_error + rounding
+            } else {
+                add_up(part_error, rounding)
+            },
+            error,
+        );
         placed.push((Vec::new(), composed));
     }
-    let composed = Composed::placed(&placed, off);
+    let composed = Composed::placed(&placed, error);
     Ok(Input { composed: composed.map(Arc::new), ..input })
 }
 
-/// What is known of triangles whose bound no certificate says, for [`Input::composed`]: against a shape of that kind, as samples
-/// of which only some were read at a time are a "volume".
+/// The composition of triangles whose bound is in no certificate, for [`Input::composed`]: `bound` is against a shape of the
+/// given kind. An example is a "volume" of which only some samples were read at a time.
 ///
 /// # Errors
 /// As for [`compose_input`].
@@ -132,27 +139,28 @@ pub fn join_input(input: Input, parts: &[&Input]) -> Result<Input, WriteError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn made_of(input: &Input, kind: &str, bound: &Bound) -> Result<Composed, WriteError> {
-    let own = InputFacts::from_input(input).of_step();
-    let of = StepInput { kind: kind.to_owned(), format: own.format.clone(), sha256: None, files: Vec::new() };
+    let facts = InputFacts::from_input(input).of_step();
+    let source =
+        StepInput { kind: kind.to_owned(), format: facts.format.clone(), sha256: None, files: Vec::new() };
     let step = StepFacts {
         verb: "mesh".to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        inputs: vec![of],
+        inputs: vec![source],
         composed: None,
         output: StepOutput {
-            kind: own.kind.clone(),
-            format: own.format.clone(),
-            geometry: own.sha256.clone(),
+            kind: facts.kind.clone(),
+            format: facts.format.clone(),
+            geometry: facts.sha256.clone(),
         },
         bound: Some(StepBound::new(bound)),
     };
-    let begins = HistoryStart::new("no-certificate", "what was read never was a file of its own");
+    let begins = HistoryStart::new("no-certificate", "the triangles were never a file of their own");
     let origin = HistoryFacts::new(begins, vec![step]);
-    Composed::of_one(own, origin, scene_in(input)?)
+    Composed::of_one(facts, origin, scene_in(input)?)
 }
 
-/// How an input came about, as far as its certificate proves it or it is known otherwise: what a history of a result of it
-/// begins with, and how far the input is from the first shape.
+/// The origin of an input, as far as its certificate proves it or it is known otherwise: the start of the history of a
+/// result, with the distance of the input from the first shape.
 ///
 /// ```
 /// use chordal_verbs::{FormatHint, history_of, load};
@@ -163,25 +171,25 @@ pub fn made_of(input: &Input, kind: &str, bound: &Bound) -> Result<Composed, Wri
 #[must_use]
 pub fn history_of(input: &Input) -> HistoryFacts {
     let InputOrigin { steps, begins, composed } = InputOrigin::from_input(input);
-    let mut found = HistoryFacts::new(begins, steps);
+    let mut history = HistoryFacts::new(begins, steps);
     if let Some(composed) = composed {
-        found.total = composed.facts().bound().as_ref().map(StepBound::new);
+        history.total = composed.facts().bound().as_ref().map(StepBound::new);
     }
-    found
+    history
 }
 
-/// What inputs were put together of; what is there several times is looked at once.
-struct KnownParts(BTreeMap<*const Input, Composed>);
+/// The compositions of inputs; an input that occurs several times is read once.
+struct Compositions(BTreeMap<*const Input, Composed>);
 
-impl KnownParts {
+impl Compositions {
     fn new<'a>(parts: impl Iterator<Item = &'a Input>) -> Result<Self, WriteError> {
-        let mut known = BTreeMap::new();
+        let mut compositions = BTreeMap::new();
         for part in parts {
-            if let Entry::Vacant(free) = known.entry(std::ptr::from_ref(part)) {
+            if let Entry::Vacant(free) = compositions.entry(std::ptr::from_ref(part)) {
                 free.insert(composed_of(part)?);
             }
         }
-        Ok(Self(known))
+        Ok(Self(compositions))
     }
 
     fn of(&self, part: &Input) -> Option<&Composed> {
@@ -189,7 +197,7 @@ impl KnownParts {
     }
 }
 
-/// What an input was put together of: itself, where it was not.
+/// The inputs that an input was put together from: the input itself if it was not.
 fn composed_of(input: &Input) -> Result<Composed, WriteError> {
     if let Some(composed) = &input.composed {
         return Ok(Composed::clone(composed));
@@ -201,7 +209,7 @@ fn composed_of(input: &Input) -> Result<Composed, WriteError> {
 
 fn scene_in(input: &Input) -> Result<&Scene, WriteError> {
     let Shape::Scene(scene) = &input.shape else {
-        return Err(WriteError::Unsupported(format!("{} are no triangles", input.shape.kind())));
+        return Err(WriteError::Unsupported(format!("{} are not triangles", input.shape.kind())));
     };
     Ok(scene)
 }

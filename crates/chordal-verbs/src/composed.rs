@@ -1,4 +1,4 @@
-//! `Composed`: what triangles were put together of, so that what is made of them knows how far it is from the truth.
+//! `Composed`: the inputs that triangles were put together from, so that results know their distance from the first shapes.
 use crate::placements::{
     IDENTITY, Matrix4, as_one_map, largest_reach, largest_stretch, map_rounding, nodes_rounding, scaled_up,
 };
@@ -8,26 +8,28 @@ use chordal_io::{Scene, WriteError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How many histories may be within each other before one begins anew. Chosen: readers of JSON give up at some 25.
+/// The largest depth of nested histories; beyond it a history starts anew. Chosen: readers of JSON give up at a depth of
+/// about
+/// 25.
 const DEEPEST: usize = 12;
 
-/// What triangles that never were a file were put together of: inputs where maps take them, with their histories.
+/// The inputs that triangles in memory were put together from, each with its place (a map) and its history.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Composed {
     inputs: Vec<StepInput>,
     facts: ComposedFacts,
-    /// The triangles are no farther than this from where exact numbers would take them.
+    /// The largest distance of the triangles from their exact places.
     off: f64,
-    /// Of each input.
+    /// The sizes of the inputs, in the same order.
     sizes: Vec<InputSize>,
 }
 
-/// What the rounding of a map depends on.
+/// The properties of an input that determine the rounding of a map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct InputSize {
     /// The largest coordinates along each axis, without their signs.
     reach: [f64; 3],
-    /// How far its own nodes may round it.
+    /// The largest distance by which the input's own nodes may round it.
     off: f64,
 }
 
@@ -35,12 +37,12 @@ impl Composed {
     /// An input as it is, with its history.
     ///
     /// # Errors
-    /// When its nodes are no tree, or take coordinates out of range.
+    /// If its nodes are not a tree, or take coordinates out of range.
     pub(crate) fn of_one(input: StepInput, origin: HistoryFacts, scene: &Scene) -> Result<Self, WriteError> {
         let mut reach = [0.0; 3];
         for (_, mesh) in scene.world_meshes()? {
-            let own = largest_reach(&mesh.bounds());
-            reach = std::array::from_fn(|k| greater(own[k], reach[k]));
+            let mesh_reach = largest_reach(&mesh.bounds());
+            reach = std::array::from_fn(|k| greater(mesh_reach[k], reach[k]));
         }
         let size = InputSize { reach, off: nodes_rounding(scene) };
         let origin = if origin.depth() < DEEPEST { origin } else { begun_anew() };
@@ -49,66 +51,70 @@ impl Composed {
         Ok(Self { inputs: vec![input], facts, off: 0.0, sizes: vec![size] })
     }
 
-    /// Several of these next to each other, each below maps, the last of them first: triangles that are off by no more than a
-    /// length. The maps become one, and what that rounds is counted: no chain of them makes it large. `None` where they lead
-    /// out of range.
+    /// Several compositions next to each other, each below maps, of which the last is applied first; `off` is the largest
+    /// distance of the triangles from their exact places. The maps are multiplied, and the rounding of that is counted, so
+    /// that a long chain of maps stays one map. `None` if they lead out of range.
     pub(crate) fn placed(parts: &[(Vec<Matrix4>, &Self)], off: f64) -> Option<Self> {
-        let mut all = Self { inputs: Vec::new(), facts: ComposedFacts::default(), off, sizes: Vec::new() };
+        let mut composed =
+            Self { inputs: Vec::new(), facts: ComposedFacts::default(), off, sizes: Vec::new() };
         let mut numbers: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
-        let (mut judged, mut merged) = (0.0, 0.0);
+        let (mut replay_error, mut product_error) = (0.0, 0.0);
         for (above, part) in parts {
-            let mut own = Vec::with_capacity(part.inputs.len());
+            let mut indices = Vec::with_capacity(part.inputs.len());
             for (k, input) in part.inputs.iter().enumerate() {
                 let (origin, size) = (&part.facts.origins[k], &part.sizes[k]);
                 let same = numbers.entry(input.sha256.as_deref()).or_default();
                 let is_known = |at: &&usize| {
-                    (&all.inputs[**at], &all.facts.origins[**at], &all.sizes[**at]) == (input, origin, size)
+                    (&composed.inputs[**at], &composed.facts.origins[**at], &composed.sizes[**at])
+                        == (input, origin, size)
                 };
                 let known = same.iter().find(is_known).copied();
-                own.push(known.unwrap_or_else(|| {
-                    same.push(all.inputs.len());
-                    all.inputs.push(input.clone());
-                    all.facts.origins.push(origin.clone());
-                    all.sizes.push(size.clone());
-                    all.inputs.len() - 1
+                indices.push(known.unwrap_or_else(|| {
+                    same.push(composed.inputs.len());
+                    composed.inputs.push(input.clone());
+                    composed.facts.origins.push(origin.clone());
+                    composed.sizes.push(size.clone());
+                    composed.inputs.len() - 1
                 }));
             }
             for place in &part.facts.places {
-                let InputSize { reach, off } = &all.sizes[own[place.input]];
+                let InputSize { reach, off } = &composed.sizes[indices[place.input]];
                 let (mut map, mut rounded) = (place.matrix(), 0.0);
                 for after in above.iter().rev() {
-                    let (one, lost) = as_one_map(after, &map, *reach);
+                    let (product, lost) = as_one_map(after, &map, *reach);
                     rounded = add(scaled_up(rounded, largest_stretch(after)), lost);
-                    map = one;
+                    map = product;
                 }
                 if !map.iter().all(|entry| entry.is_finite()) {
                     return None;
                 }
-                merged = greater(rounded, merged);
-                judged =
-                    greater(add(scaled_up(*off, largest_stretch(&map)), map_rounding(&map, *reach)), judged);
+                product_error = greater(rounded, product_error);
+                replay_error = greater(
+                    add(scaled_up(*off, largest_stretch(&map)), map_rounding(&map, *reach)),
+                    replay_error,
+                );
                 let map = (map != IDENTITY).then(|| rows_of(&map));
-                all.facts.places.push(PlaceFacts { input: own[place.input], map });
+                composed.facts.places.push(PlaceFacts { input: indices[place.input], map });
             }
         }
-        all.off = add(off, merged);
-        // Who puts them together again rounds, too, and compares what is rounded: on the way there and back.
-        all.facts.rounding = add(all.off, 2.0 * judged);
-        all.facts.rounding.is_finite().then_some(all)
+        composed.off = add(off, product_error);
+        // A verifier applies the maps again, with a rounding of its own, and compares that with these rounded triangles.
+        composed.facts.rounding = add(composed.off, 2.0 * replay_error);
+        composed.facts.rounding.is_finite().then_some(composed)
     }
 
-    /// The files, or what stands for them.
+    /// The files, or the facts that stand for them.
     pub(crate) fn inputs(&self) -> &[StepInput] {
         &self.inputs
     }
 
-    /// Where they stand, and how they came about.
+    /// The places and the histories of the inputs.
     #[must_use]
     pub fn facts(&self) -> &ComposedFacts {
         &self.facts
     }
 
-    /// How far the triangles may be from where exact numbers would take them.
+    /// The largest distance of the triangles from their exact places.
     pub(crate) fn off(&self) -> f64 {
         self.off
     }

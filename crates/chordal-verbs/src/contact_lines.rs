@@ -1,17 +1,17 @@
-//! `name_lines`: which lines of a script made the surfaces that touch where a proof did not end.
+//! `name_lines`: the lines of a script that made the surfaces at a contact where a proof failed.
 use crate::ShapeLine;
 use chordal::budget::Bound;
 use chordal::implicit::evaluation::Tape;
 use chordal::math::greater;
 
-/// A line is said to have made a surface that passes a contact nearer than this fraction of the open place. Chosen: what
-/// found the contact comes as near.
+/// A line's surface passes a contact if it is nearer than this fraction of the open place. Chosen: the search for contacts
+/// comes as near.
 const NEAR: f64 = 2e-3;
-/// Two shapes that pass a contact have one surface there where their values, but for the sign, are the same at points around
-/// it, as far as this fraction of the open place. Chosen: parts that touch bend away from each other, and what cuts or joins
-/// them is mostly farther.
+/// Two shapes have the same surface at a contact if their values, up to the sign, are equal at points around it, this
+/// fraction of the open place away. Chosen: surfaces that touch bend away from each other within that distance, and edges
+/// where they are cut or joined are mostly farther.
 const AROUND: f64 = 1.0 / 256.0;
-/// They are the same where they differ by less than this, relative to the larger one. Chosen: far above rounding.
+/// Values are equal if they differ by less than this, relative to the larger one. Chosen: far above rounding.
 const SAME: f64 = 1e-9;
 
 /// The shape of a line near a contact: the sizes of its values at points around it.
@@ -20,9 +20,9 @@ struct PassingLine {
     around: [f64; 6],
 }
 
-/// Adds to each contact the lines of the first two shapes that pass through it and differ around it: a solid differs from what
-/// touches it, and not from what is cut out of it, or from the whole that it is combined to later. Where all are alike, as
-/// where faces lie against each other, those of the first two.
+/// Adds to each contact the lines of the first two shapes that pass through it and differ around it. A solid differs there
+/// from a solid that it touches, but not from a solid that is cut out of it, or from a combination that it is part of. If
+/// no two differ, as for faces that lie against each other, adds the lines of the first two shapes.
 pub(crate) fn name_lines(bound: &mut Bound, lines: &[ShapeLine]) {
     let Some(open) = bound.open.as_deref_mut() else { return };
     for place in &mut open.largest {
@@ -32,11 +32,11 @@ pub(crate) fn name_lines(bound: &mut Bound, lines: &[ShapeLine]) {
             passing
                 .iter()
                 .enumerate()
-                .filter(|(k, one)| {
-                    // What a line ends with stands for what it is made of.
-                    passing.get(k + 1).is_none_or(|next| next.line != one.line)
+                .filter(|(k, shape)| {
+                    // The last shape of a line stands for its intermediate ones.
+                    passing.get(k + 1).is_none_or(|next| next.line != shape.line)
                 })
-                .map(|(_, one)| one),
+                .map(|(_, shape)| shape),
         )
         .or_else(|| first_that_differ(passing.iter()));
         let first_two = || Some([passing.first()?, passing.get(1)?]);
@@ -44,7 +44,7 @@ pub(crate) fn name_lines(bound: &mut Bound, lines: &[ShapeLine]) {
     }
 }
 
-/// The shapes whose surface passes a contact in a place of some size, in their order.
+/// The shapes whose surface passes a contact in an open place of a given size, in their order.
 fn passing_lines(lines: &[ShapeLine], at: [f64; 3], size: f64) -> Vec<PassingLine> {
     let aside = |k: usize| {
         let by = if k < 3 { AROUND * size } else { -AROUND * size };
@@ -61,7 +61,7 @@ fn passing_lines(lines: &[ShapeLine], at: [f64; 3], size: f64) -> Vec<PassingLin
     lines.iter().filter_map(passing).collect()
 }
 
-/// The first shape of some that differs from one before it, after that.
+/// The first pair, by its second shape, of shapes that differ.
 fn first_that_differ<'a>(shapes: impl Iterator<Item = &'a PassingLine>) -> Option<[&'a PassingLine; 2]> {
     let mut before: Vec<&PassingLine> = Vec::new();
     for shape in shapes {
@@ -121,7 +121,7 @@ mod tests {
         let post = cylinder(3.0, 13.0).unwrap().moved([14.0, 7.0, 0.0]).unwrap();
         let moved = pocket.moved([0.0, 0.0, 2.0]).unwrap();
         let shapes = [(1, &body), (2, &pocket), (2, &moved), (3, &body.difference(&moved)), (4, &post)];
-        // In the corner of floor and wall the pocket differs from itself before it was moved.
+        // In the corner of floor and wall the pocket differs from the pocket before it was moved.
         let at_corner = [14.0, 10.0, -5.5];
         assert_eq!(lines_of(at_corner, &shapes), Some([2, 4]));
         // All in one line.

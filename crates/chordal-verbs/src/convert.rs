@@ -1,4 +1,4 @@
-//! `convert`: the same shape in another format, with a note for everything that it does not hold.
+//! `convert`: the same shape in another format, with a note on everything that the format does not hold.
 use crate::cubic_paths::cubic_paths;
 use crate::finish::finish_triangles;
 use crate::formats::{in_words, names_where};
@@ -50,11 +50,11 @@ pub struct ConvertOutcome {
 }
 
 impl ConvertOutcome {
-    /// Writes the shape, and the certificate where the format can carry it. Samples keep the certificate that
-    /// they came with: they are the same to the bit, so that it still holds.
+    /// Writes the shape, with the certificate if the format can carry it. Samples keep the certificate that they had: they
+    /// are the same to the bit, so that it still holds.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let certificate = self.certificate.to_value();
         match &self.made {
@@ -73,8 +73,7 @@ impl ConvertOutcome {
         }
     }
 
-    /// Writes the same as a document and files beside it, whose names begin with `stem`, where the format has
-    /// such files.
+    /// Writes the same as a document with files beside it, whose names begin with `stem`, if the format has such files.
     ///
     /// # Errors
     /// As for [`Self::write`].
@@ -93,7 +92,7 @@ impl ConvertOutcome {
         }
     }
 
-    /// Whether the format names files beside it for what the shape has: an OBJ its materials.
+    /// Whether the document names other files for attributes of the shape: an OBJ names its materials.
     #[must_use]
     pub fn names_files(&self) -> bool {
         match &self.made {
@@ -104,15 +103,15 @@ impl ConvertOutcome {
     }
 }
 
-/// The same shape in another format: triangles, polygons, straight lines or samples, as they are. Nothing is
-/// made simpler, merged or repaired, and no normals are made.
+/// The same shape in another format: triangles, polygons, straight lines or samples, as they are. Nothing is simplified,
+/// merged or repaired, and no normals are added.
 ///
-/// The bound is the rounding to the format, transforms that it has no nodes for included; 0 where it keeps
-/// every digit. [`Certificate::notes`] names what the format does not hold. Time is linear in the shape.
+/// The bound is the rounding to the format, including that of transforms if the format has no nodes; 0 if it keeps every
+/// digit. [`Certificate::notes`] lists the data that the format does not hold. Time is linear in the shape.
 ///
 /// # Errors
-/// When the format does not hold the shape, or would hold only a mesh of it, which takes a budget; see
-/// [`needs_mesh`]. When a coordinate does not fit the format.
+/// If the format does not hold the shape, or could hold only a mesh of it, which takes a budget; see [`needs_mesh`]. If a
+/// coordinate does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -127,11 +126,11 @@ pub fn convert(input: Input, to: impl Into<OutputForm>) -> Result<ConvertOutcome
     convert_within(input, to, None, &Job::default())
 }
 
-/// As [`convert`]; arcs and rational curves of a drawing become cubics within a length where the format holds these, which
-/// is SVG. The bound is that of the cubics.
+/// As [`convert`]; arcs and rational curves of a drawing become cubics within a length if the format holds cubics, which
+/// only SVG does. The bound is the distance of the cubics.
 ///
 /// # Errors
-/// As for [`convert`]; when the length has a unit and the shape has none, or is below rounding.
+/// As for [`convert`]; if the length has a unit and the shape has none, or it is below rounding.
 pub fn convert_within(
     mut input: Input,
     to: impl Into<OutputForm>,
@@ -147,7 +146,7 @@ pub fn convert_within(
     certificate.notes.extend(left_out.filter(|_| !certificate.has_earlier_steps()));
     let bounds = input.shape.bounds()?;
     let length = length.map(|length| resolved(length, &input.shape)).transpose()?;
-    let (made, bound) = match input.shape {
+    let (converted, bound) = match input.shape {
         Shape::Scene(scene) => {
             refuse_points_alone(&scene, to)?;
             certificate.notes.extend(frame_losses(&scene, to));
@@ -206,21 +205,21 @@ pub fn convert_within(
             return Err(MeshFailure::Usage(needs_mesh_message(input.shape.kind())));
         }
     };
-    if let ConvertedShape::Polylines(polylines) = &made {
+    if let ConvertedShape::Polylines(polylines) = &converted {
         certificate.output = Some(Output::Polylines(PolylineFacts::from_polylines(polylines)));
     }
     certificate.bound = Some(BoundFacts::new(&bound));
-    let (kind, geometry) = match &made {
+    let (kind, geometry) = match &converted {
         ConvertedShape::Triangles(scene) => ("triangles", written_digest(scene, to)),
         ConvertedShape::Polygons(polygons) => ("cage", written_polygons_digest(polygons, to)),
         ConvertedShape::Polylines(lines @ Polylines::Plane(_)) => ("drawing", Some(polylines_digest(lines))),
         ConvertedShape::Polylines(lines) => ("curves", Some(polylines_digest(lines))),
         ConvertedShape::Paths(_) => ("drawing", None),
-        // An array has no place and no step of its own.
+        // An array does not hold the origin and the step of the lattice.
         ConvertedShape::Volume(volume) => ("volume", (to != Format::Npy).then(|| volume_digest(volume))),
     };
     certificate.conclude((kind, to), geometry);
-    Ok(ConvertOutcome { made, format: to, bound, certificate })
+    Ok(ConvertOutcome { made: converted, format: to, bound, certificate })
 }
 
 /// The length in units of the shape.
@@ -229,8 +228,8 @@ fn resolved(length: Length, shape: &Shape) -> Result<Tolerance, MeshFailure> {
     length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)
 }
 
-/// Refuses points without a triangle where the format holds triangles alone: the file would be empty. The writers of
-/// formats whose parts need triangles refuse each part without.
+/// Refuses points without triangles if the format holds only triangles: the file would be empty. Writers of formats that
+/// need triangles in every part refuse parts without them.
 fn refuse_points_alone(scene: &Scene, to: Format) -> Result<(), MeshFailure> {
     let n_points: usize = scene.parts.iter().map(|part| part.mesh.positions().len()).sum();
     if to.vertex_rows() != VertexRows::Soup
@@ -247,8 +246,8 @@ fn refuse_points_alone(scene: &Scene, to: Format) -> Result<(), MeshFailure> {
     Err(MeshFailure::refused(RefusalCode::Empty, message))
 }
 
-/// Whether the format holds only what `mesh` makes of the shape: triangles of patches, fields, cages, volumes
-/// and outlines, polylines of curves that bend where it does not hold cubics, as SVG does.
+/// Whether the format holds the shape only after `mesh`: triangles of patches, fields, cages, volumes and outlines, and
+/// polylines of bent curves unless the format holds cubics, as SVG does.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -275,10 +274,10 @@ pub fn needs_mesh(shape: &Shape, to: Format) -> bool {
     }
 }
 
-/// Whether polygons in a file of the format lose no more than the triangles that a reader cut them into.
-/// `polygons` and `triangles` are the same file, read as a cage and as triangles.
+/// Whether polygons in a file of the format lose no more than the triangles into which a reader cut them. `polygons` and
+/// `triangles` are the same file, read as a cage and as triangles.
 ///
-/// In an OBJ or USDA they would: its tags would turn plain polygons into a cage for whoever reads them.
+/// In an OBJ or USDA they would lose more: its tags would turn plain polygons into a cage for readers.
 #[must_use]
 pub fn polygons_lose_no_more(polygons: &Input, triangles: &Input, to: Format) -> bool {
     let (Shape::Cage(cage), Shape::Scene(scene)) = (&polygons.shape, &triangles.shape) else { return false };
@@ -291,7 +290,7 @@ pub fn polygons_lose_no_more(polygons: &Input, triangles: &Input, to: Format) ->
     losses(scene, to).is_ok_and(|of_triangles| lost <= of_triangles.len())
 }
 
-/// The refusal of a shape that has to be meshed first.
+/// The message for a shape that has to be meshed first.
 fn needs_mesh_message(kinds: &str) -> Message {
     format!("{kinds} become triangles or polylines within a budget, and a conversion has none: mesh them")
         .into()
@@ -303,7 +302,7 @@ fn needs_polylines() -> MeshFailure {
     )
 }
 
-/// The names of the formats that the shape can be written in as it is, or those of triangles where there is none.
+/// The names of the formats in which the shape can be written as it is; if there are none, the formats of triangles.
 #[must_use]
 pub fn written_names(shape: &Shape) -> Vec<String> {
     let is_writable = |to: &Format| to.holds_triangles() || to.holds_polylines() || to.holds_volumes();
@@ -339,7 +338,7 @@ fn check_format(shape: &Shape, to: Format) -> Result<(), Message> {
         Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => {
             let kind = shape.kind();
             return Err(format!(
-                "{to} does not hold {kind}, and no format that is written does: mesh them to one of {}",
+                "{to} does not hold {kind}, and no other output format does: mesh them to one of {}",
                 formats::mesh_names()
             )
             .into());
@@ -352,7 +351,7 @@ fn check_format(shape: &Shape, to: Format) -> Result<(), Message> {
     Err(format!("{to} does not hold {what}; {} do", names.join(", ")).into())
 }
 
-/// What is said where a reader cut polygons that the format could have held.
+/// A note if a reader cut polygons that the format could have held.
 fn polygons_note(input: &Input, to: Format) -> Option<Message> {
     let was_cut = input.warnings.iter().any(|warning| warning.code == "polygons-cut");
     (was_cut && input.format.may_hold_cages() && to.holds_polygons()).then(|| {
@@ -362,8 +361,8 @@ fn polygons_note(input: &Input, to: Format) -> Option<Message> {
     })
 }
 
-/// Takes the certificate of the input out, and says what it promised: the new one begins at the numbers of
-/// the input. That of samples stays.
+/// Takes the certificate out of the input, and returns a note with its bound: the new certificate starts from the
+/// coordinates of the input. Samples keep their certificate.
 fn left_out_certificate(shape: &mut Shape) -> Option<Message> {
     let certificate = match shape {
         Shape::Scene(scene) => scene.certificate.take(),
@@ -379,7 +378,7 @@ fn left_out_certificate(shape: &mut Shape) -> Option<Message> {
     )
 }
 
-/// What a format without nodes does not say of the space of a scene.
+/// Notes on the unit and the axes of a scene that a format without nodes does not hold.
 fn frame_losses(scene: &Scene, to: Format) -> Vec<Message> {
     if to.has_nodes() {
         return Vec::new();
@@ -389,7 +388,7 @@ fn frame_losses(scene: &Scene, to: Format) -> Vec<Message> {
     unit.into_iter().chain(up).map(Message::from).collect()
 }
 
-/// What formats without nodes, without parts or without vertices of their own do not hold of a scene.
+/// Notes on nodes, parts and unused vertices of a scene that a format does not hold.
 fn structure_losses(scene: &Scene, to: Format) -> Vec<Message> {
     let mut lost = Vec::new();
     let mut count = |n: usize, what: String| {
@@ -407,7 +406,10 @@ fn structure_losses(scene: &Scene, to: Format) -> Vec<Message> {
     };
     if !to.has_nodes() {
         let n = scene.nodes.iter().filter(says_more).count();
-        count(n, format!("{to} holds no nodes or their names: the triangles stand where these place them"));
+        count(
+            n,
+            format!("{to} holds no nodes or their names: the triangles were moved to the places of these"),
+        );
     }
     if !to.has_parts() {
         let n = scene.parts.iter().filter(|part| !part.name.is_empty()).count();
@@ -427,7 +429,7 @@ fn n_unused(mesh: &Mesh) -> usize {
     used.iter().filter(|used| !**used).count()
 }
 
-/// What a format does not hold of a volume.
+/// Notes on the data of a volume that a format does not hold.
 fn volume_losses(volume: &Volume, to: Format) -> Vec<Message> {
     let mut lost = Vec::new();
     let mut add = |is_lost: bool, what: String| {
@@ -441,7 +443,7 @@ fn volume_losses(volume: &Volume, to: Format) -> Vec<Message> {
         let is_plain = *affine == Affine3::IDENTITY || is_reversed(affine);
         add(
             !is_plain,
-            "npy holds no place and no step of a lattice: those of the input were left out".into(),
+            "npy holds no origin and no step of a lattice: those of the input were left out".into(),
         );
         add(!volume.name.is_empty(), "npy holds no name".into());
         add(!volume.labels.is_empty(), "npy holds no names and no colours of labels".into());
@@ -458,7 +460,7 @@ fn volume_losses(volume: &Volume, to: Format) -> Vec<Message> {
     lost
 }
 
-/// The units that NRRD's writer has names for, in metres: metre, centimetre, millimetre, micrometre.
+/// The units for which NRRD's writer has names, in metres: metre, centimetre, millimetre, micrometre.
 const NRRD_UNITS: [f64; 4] = [1.0, 0.01, 0.001, 1e-6];
 
 /// Whether lattice index (k, j, i) is the point (i, j, k), as for arrays whose last index runs fastest.

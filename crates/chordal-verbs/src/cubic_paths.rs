@@ -7,11 +7,11 @@ use chordal::math::greater;
 use chordal::{Bound, Job, Tolerance};
 use chordal_io::Drawing;
 
-/// The drawing as lines and cubics, its bound, and how many of both there are. Arcs and rational pieces become cubics
-/// within a length.
+/// The drawing as lines and cubics, its bound, and the numbers of both. Arcs and rational pieces become cubics within a
+/// length.
 ///
 /// # Errors
-/// When there are arcs or rational pieces and no length; as for [`curve_to_cubics`].
+/// If there are arcs or rational pieces and no length; as for [`curve_to_cubics`].
 pub(crate) fn cubic_paths(
     drawing: Drawing,
     length: Option<Tolerance>,

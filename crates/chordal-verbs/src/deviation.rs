@@ -14,14 +14,14 @@ use std::borrow::Cow;
 
 /// The precision of a distance between two shapes, with lengths as a user gives them.
 ///
-/// A percentage is one of the diagonal of the second shape's box: the second shape is the reference.
+/// Percentages are relative to the diagonal of the second shape's box: the second shape is the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviationSpec {
     /// The allowed gap above the lower bound, relative to it.
     pub relative: f64,
     /// The allowed gap as a length.
     pub absolute: Option<Length>,
-    /// A limit: only whether the distance exceeds it matters, so the search stops as soon as that is known.
+    /// A limit: the search stops as soon as it is known whether the distance exceeds the limit.
     pub max: Option<Length>,
 }
 
@@ -33,15 +33,15 @@ impl Default for DeviationSpec {
 
 /// The Hausdorff distance between the surfaces of two shapes, as a proved interval, with the worst points.
 ///
-/// Triangle meshes are taken as they are: all parts of a scene, each in its placement. The surface of a volume
-/// that its [`crate::SurfaceSpec`] chooses, Bézier patches and cages are meshed on the way. They are meshed more finely until their bound, which widens the interval at both ends,
-/// leaves the required precision, or until a millionth of their size is reached. Attributes are not compared.
-/// Coordinates are compared as numbers; the notes say where frames differ.
+/// Triangle meshes are taken as they are: all parts of a scene, each in its placement. The surface of a volume that its
+/// [`crate::SurfaceSpec`] chooses, Bézier patches and cages are meshed for the comparison. They are meshed more finely until
+/// their bound, which widens the interval at both ends, leaves the required precision, or until a millionth of their size is
+/// reached. Attributes are not compared. Coordinates are compared as numbers; notes mention different frames.
 ///
 /// Cost: about 3 µs a vertex of either shape on one core.
 ///
 /// # Errors
-/// When a shape has no surface, or a length has no meaning for it; as for [`chordal::check::deviation`].
+/// If a shape has no surface, or a length has no meaning for it; as for [`chordal::check::deviation`].
 ///
 /// ```
 /// use chordal_verbs::{DeviationSpec, FormatHint, deviation, load};
@@ -67,15 +67,15 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
     };
     certificate.notes.extend(frames_differ(&a, &b));
     let against = crate::report::InputFacts::from_input(&b);
-    let found = measure(a.shape, b.shape, &goal, job, &mut certificate)?;
-    certificate.bound = Some(BoundFacts::new(&found.bound));
-    let verdict = goal.max.map(|max| Verdict::from_bound(&found.bound, max));
+    let measured = measure(a.shape, b.shape, &goal, job, &mut certificate)?;
+    certificate.bound = Some(BoundFacts::new(&measured.bound));
+    let verdict = goal.max.map(|max| Verdict::from_bound(&measured.bound, max));
     let facts = DeviationFacts {
         against,
-        forward: found.forward.into(),
-        backward: found.backward.into(),
+        forward: measured.forward.into(),
+        backward: measured.backward.into(),
         diagonal,
-        reached: found.reached,
+        reached: measured.reached,
         max: goal.max.map(Tolerance::get),
         verdict,
     };
@@ -93,40 +93,39 @@ fn measure(
 ) -> Result<DeviationBounds, MeshFailure> {
     let (field, other, turned) = match (a, b) {
         (Shape::Field(_), Shape::Field(_)) => {
-            let message = "one of the two has to have triangles: mesh a field first".to_owned();
+            let message = "two fields cannot be compared: mesh one of them first".to_owned();
             return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
         }
         (Shape::Field(field), other) => (field, other, true),
         (other, Shape::Field(field)) => (field, other, false),
         (a, b) => return ComparedPair::from_shapes([a, b], certificate, job)?.measure(goal, job),
     };
-    let (mesh, off, reference) = match ComparedSurface::from_shape(other, certificate, job)? {
-        ComparedSurface::Triangles(mesh, off) => (mesh, off, Reference::InputTriangles),
+    let (mesh, error, reference) = match ComparedSurface::from_shape(other, certificate, job)? {
+        ComparedSurface::Triangles(mesh, error) => (mesh, error, Reference::InputTriangles),
         ComparedSurface::Volume(sampled) => {
-            let NativeSurface { mesh, off, reference } = sampled.native;
-            (mesh, off, reference)
+            let NativeSurface { mesh, off: error, reference } = sampled.native;
+            (mesh, error, reference)
         }
         ComparedSurface::Patches(..) | ComparedSurface::Surfaces(..) | ComparedSurface::Cage(..) => {
             let message = "only triangles are measured against a field: mesh the other shape first";
             return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
         }
     };
-    let found = field::deviation_of(&mesh, &field, goal, job)?;
-    let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
+    let measured = field::deviation_of(&mesh, &field, goal, job)?;
+    let [forward, backward] = [measured.forward, measured.backward].map(|side| widen(side, error));
     let [forward, backward] = if turned { [backward, forward] } else { [forward, backward] };
-    let bound = if off == 0.0 {
-        found.bound
+    let bound = if error == 0.0 {
+        measured.bound
     } else {
-        // The triangles are at most `off` from the surface that they stand for: transforms moved them, or the
-        // resolution of a lattice.
-        found.bound.then(&Bound::proved(0.0, off, reference))
+        // The triangles are at most `error` from their true surface, because of transforms or the resolution of a lattice.
+        measured.bound.then(&Bound::proved(0.0, error, reference))
     };
-    Ok(DeviationBounds { bound, forward, backward, reached: found.reached, share: 0.0 })
+    Ok(DeviationBounds { bound, forward, backward, reached: measured.reached, share: 0.0 })
 }
 
 fn frames_differ(a: &Input, b: &Input) -> Option<Message> {
     let (a, b) = (a.shape.frame(), b.shape.frame());
-    let differ = |known: Option<bool>| known == Some(true);
+    let differ = |comparison: Option<bool>| comparison == Some(true);
     let units = differ(a.metres_per_unit.zip(b.metres_per_unit).map(|(a, b)| a != b));
     let up = differ(a.up.zip(b.up).map(|(a, b)| a != b));
     let what = match (units, up) {
@@ -159,7 +158,7 @@ struct SampledSurface {
     native: NativeSurface,
 }
 
-/// Triangles at the resolution of a lattice, their largest distance from the interpolant, and what that is.
+/// Triangles at the resolution of a lattice, their largest distance from the interpolant, and the kind of that surface.
 struct NativeSurface {
     mesh: Mesh,
     off: f64,
@@ -167,12 +166,12 @@ struct NativeSurface {
 }
 
 impl SampledSurface {
-    /// How much nearer than at the resolution of the lattice triangles may be asked to come to the interpolant:
-    /// chosen, some sixteen times as many of them.
+    /// The factor by which triangles may have to come nearer to the interpolant than at the resolution of the lattice.
+    /// Chosen: that takes some sixteen times as many triangles.
     const FINER: f64 = 16.0;
 
-    /// Triangles within `share` of the diagonal, or those of the lattice's resolution where these do, or where
-    /// nothing better is to be had.
+    /// Triangles within `share` of the diagonal, or at the lattice's resolution if these are near enough, or if finer ones
+    /// are not possible.
     fn within(&self, share: f64, job: &Job) -> Result<ApproximateMesh<'_>, MeshFailure> {
         let native = (Cow::Borrowed(&self.native.mesh), self.native.off, self.native.reference.clone());
         let length = greater(share * self.diagonal, self.native.off / Self::FINER);
@@ -193,7 +192,7 @@ impl SampledSurface {
     }
 }
 
-/// Triangles, their largest distance from the true surface, and which surface that is.
+/// Triangles, their largest distance from the true surface, and the kind of that surface.
 type ApproximateMesh<'a> = (Cow<'a, Mesh>, f64, Reference);
 
 impl ComparedSurface {
@@ -201,10 +200,10 @@ impl ComparedSurface {
         let diagonal = shape.diagonal()?;
         match shape {
             Shape::Scene(scene) => {
-                let placed = flatten::flatten(scene)?;
-                certificate.notes.extend(placed.note());
-                let mesh = merged_parts::one_mesh(&placed.scene)?.into_owned();
-                Ok(Self::Triangles(mesh, placed.moved_at_most))
+                let flattened = flatten::flatten(scene)?;
+                certificate.notes.extend(flattened.note());
+                let mesh = merged_parts::one_mesh(&flattened.scene)?.into_owned();
+                Ok(Self::Triangles(mesh, flattened.moved_at_most))
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),
             Shape::Surfaces { surfaces, .. } => Ok(Self::Surfaces(surfaces, diagonal)),
@@ -227,8 +226,7 @@ impl ComparedSurface {
         }
     }
 
-    /// Triangles within `share` of the diagonal, their largest distance from the true surface, and which
-    /// surface that is.
+    /// Triangles within `share` of the diagonal, their largest distance from the true surface, and the kind of that surface.
     fn within(&self, share: f64, job: &Job) -> Result<ApproximateMesh<'_>, MeshFailure> {
         match self {
             Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles)),
@@ -239,7 +237,7 @@ impl ComparedSurface {
                     MeshFailure::refused(RefusalCode::Empty, message)
                 })?;
                 let budget = Budget::length(tolerance);
-                let made = match self {
+                let mesh = match self {
                     Self::Cage(cage, _) => chordal::convert::cage_to_mesh(cage, &budget, job),
                     Self::Patches(patches, _) => convert::patches_to_mesh(patches, &budget, job),
                     Self::Surfaces(surfaces, _) => convert::trimmed_surfaces_to_mesh(surfaces, &budget, job),
@@ -249,9 +247,9 @@ impl ComparedSurface {
                     Self::Volume(sampled) => return sampled.within(share, job),
                 };
                 let missed = "the shape cannot be meshed finely enough: ";
-                let made = made.map_err(|failure| MeshFailure::from_missed(failure, missed))?;
-                let off = made.bound.at_most().unwrap_or(f64::INFINITY);
-                Ok((Cow::Owned(made.shape), off, made.bound.reference))
+                let mesh = mesh.map_err(|failure| MeshFailure::from_missed(failure, missed))?;
+                let off = mesh.bound.at_most().unwrap_or(f64::INFINITY);
+                Ok((Cow::Owned(mesh.shape), off, mesh.bound.reference))
             }
         }
     }
@@ -261,7 +259,7 @@ impl ComparedSurface {
     }
 }
 
-/// The measured distances, with the loss of meshing included.
+/// The measured distances, with the error of meshing included.
 pub(crate) struct DeviationBounds {
     pub bound: Bound,
     pub forward: OneSidedDistance,
@@ -274,14 +272,16 @@ pub(crate) struct DeviationBounds {
 /// Two surfaces to compare.
 pub(crate) struct ComparedPair([ComparedSurface; 2]);
 
-/// Fractions of the diagonal to which patches are meshed: first, and at the finest.
+/// Fractions of the diagonal to which patches are meshed: the first, and the finest. Chosen: a finer start costs time,
+/// a coarser end precision.
 const FIRST: f64 = 1e-4;
 const FINEST: f64 = 1e-6;
-/// The fraction of the gap that meshing may take: at each end, in each surface.
+/// The fraction of the gap that meshing may take, at each end and for each surface. Chosen: most of the gap is left for the
+/// search.
 const OF_GAP: f64 = 0.1;
 
 impl ComparedPair {
-    /// The surfaces of two shapes; notes of the certificate say what is left out.
+    /// The surfaces of two shapes; notes of the certificate list the data that are left out.
     pub fn from_shapes(
         [a, b]: [Shape; 2],
         certificate: &mut Certificate,
@@ -292,8 +292,8 @@ impl ComparedPair {
     }
 
     /// The triangles that were measured.
-    pub fn meshes(&self, found: &DeviationBounds, job: &Job) -> Result<[Cow<'_, Mesh>; 2], MeshFailure> {
-        Ok([self.0[0].within(found.share, job)?.0, self.0[1].within(found.share, job)?.0])
+    pub fn meshes(&self, measured: &DeviationBounds, job: &Job) -> Result<[Cow<'_, Mesh>; 2], MeshFailure> {
+        Ok([self.0[0].within(measured.share, job)?.0, self.0[1].within(measured.share, job)?.0])
     }
 
     pub fn measure(&self, goal: &Goal, job: &Job) -> Result<DeviationBounds, MeshFailure> {
@@ -303,7 +303,7 @@ impl ComparedPair {
             ComparedSurface::Volume(sampled) => Some(sampled.native.off / sampled.diagonal),
             _ => None,
         };
-        // A lattice comes at its own resolution first.
+        // The first triangles of a volume are those at the lattice's own resolution.
         let native = surfaces.iter().filter_map(sampled).fold(0.0, |most, share| greater(share, most));
         let mut share = if native > 0.0 { native } else { FIRST };
         let mut last_off = f64::INFINITY;
@@ -312,8 +312,8 @@ impl ComparedPair {
                 [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
             let off = if a_off + b_off == 0.0 { 0.0 } else { add_up(a_off, b_off) };
             let inner = if exact { *goal } else { tighten_goal(goal, off) };
-            let found = check::deviation(&a, &b, &inner, job)?;
-            let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
+            let measured = check::deviation(&a, &b, &inner, job)?;
+            let [forward, backward] = [measured.forward, measured.backward].map(|side| widen(side, off));
             let least = greater(forward.at_least, backward.at_least);
             let most = greater(forward.at_most, backward.at_most);
             let near = most <= (1.0 + goal.relative) * least
@@ -323,11 +323,11 @@ impl ComparedPair {
             last_off = off;
             if exact || decided || near && goal.max.is_none() || share <= FINEST || stuck {
                 let mut bound = Bound::proved(least, most, reference);
-                bound.at = found.bound.at;
-                let reached = if exact { found.reached } else { near || decided };
+                bound.at = measured.bound.at;
+                let reached = if exact { measured.reached } else { near || decided };
                 return Ok(DeviationBounds { bound, forward, backward, reached, share });
             }
-            // A fraction that should do, if the distance stays at its current estimate.
+            // The fraction that is enough if the distance stays at its current estimate.
             let aim = OF_GAP * goal.relative * least / off * share;
             let next = if aim > FINEST && aim < 0.25 * share { aim } else { 0.1 * share };
             share = greater(next, FINEST);
@@ -335,7 +335,7 @@ impl ComparedPair {
     }
 }
 
-/// The goal for meshes that are up to `off` away from their surfaces: half of the gap is left to meshing.
+/// The goal for meshes that are up to `off` away from their surfaces: half of the gap is left for meshing.
 fn tighten_goal(goal: &Goal, off: f64) -> Goal {
     let max = goal.max.and_then(|max| Tolerance::new(sub_down(max.get(), off)).ok());
     let absolute = goal.absolute.and_then(|length| Tolerance::new(0.5 * length.get()).ok());

@@ -10,10 +10,10 @@ pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// The same of all that a reader gives, held in memory a piece at a time.
+/// The SHA-256 of everything in a reader, which is held in memory a piece at a time.
 ///
 /// # Errors
-/// When the reader fails.
+/// If the reader fails.
 pub fn sha256_of(reader: &mut dyn Read) -> io::Result<String> {
     let mut piece = vec![0; PIECE];
     let mut digest = Sha256::new();
@@ -27,14 +27,14 @@ pub fn sha256_of(reader: &mut dyn Read) -> io::Result<String> {
     }
 }
 
-/// A digest of numbers, gathered so that each call of the hash gets many.
+/// A digest of numbers, which are gathered so that each call of the hash gets many.
 pub(crate) struct Sha256Stream {
     hash: Sha256,
     buffer: Vec<u8>,
 }
 
 impl Sha256Stream {
-    /// An empty one, for one kind of thing.
+    /// An empty digest for one kind of shape.
     pub fn new(kind: &str) -> Self {
         let mut hash = Sha256::new();
         hash.update(kind.as_bytes());
@@ -50,14 +50,14 @@ impl Sha256Stream {
         }
     }
 
-    /// In hexadecimal.
+    /// The digest in hexadecimal.
     pub fn finish(mut self) -> String {
         self.hash.update(&self.buffer);
         hexadecimal(&self.hash.finalize())
     }
 }
 
-/// Bytes that are read at once; chosen, so that calls of the system cost little beside the digest.
+/// Bytes that are read at once. Chosen: so that system calls cost little beside the digest.
 const PIECE: usize = 1 << 18;
 
 fn hexadecimal(bytes: &[u8]) -> String {

@@ -1,4 +1,4 @@
-//! `FilledRegions`: the outlines of what a drawing fills.
+//! `FilledRegions`: the outlines of the filled regions of a drawing.
 use crate::formats::extensions_where;
 use chordal::budget::advice::Message;
 use chordal::budget::{Refusal, RefusalCode};
@@ -8,8 +8,8 @@ use chordal::math::Box3;
 use chordal_io::{Axis, Drawing, Format, Frame};
 
 const TURNED: &str = "y grows downwards in the drawing and upwards in space: every y is negated";
-const MEANING: &str = "the bound is that of each outline and its polyline; a point that is inside on one side only, the \
-                       drawing or the triangles, is no farther than that from an outline";
+const MEANING: &str = "the bound is for the distance between each outline and its polyline; a point that is inside \
+ only the drawing or only the triangles is no farther than that from an outline";
 
 /// The outlines of a drawing's filled regions, with y up, in their order.
 pub(crate) struct FilledRegions {
@@ -21,7 +21,7 @@ pub(crate) struct FilledRegions {
 
 impl FilledRegions {
     /// # Errors
-    /// When nothing is filled.
+    /// If nothing is filled.
     pub fn from_drawing(drawing: &Drawing, notes: &mut Vec<Message>) -> Result<Self, Refusal> {
         let mut outlines: Vec<Outline> = drawing.filled().collect();
         if outlines.iter().all(|outline| outline.contours.is_empty()) {
@@ -53,9 +53,9 @@ impl FilledRegions {
         }
         notes.push(MEANING.into());
         let contours = outlines.iter().flat_map(|outline| &outline.contours);
-        let bounds = contours.fold(Box3::EMPTY, |all, contour| {
+        let bounds = contours.fold(Box3::EMPTY, |hull, contour| {
             let [[x, y], [right, top]] = contour.bounds();
-            all.union(Box3 { min: [x, y, 0.0], max: [right, top, 0.0] })
+            hull.union(Box3 { min: [x, y, 0.0], max: [right, top, 0.0] })
         });
         Ok(Self { outlines, frame, bounds })
     }

@@ -1,4 +1,4 @@
-//! What a drawing fills as a field, for scripts and Python.
+//! The filled regions of a drawing as a field, for scripts and Python.
 use crate::drawing_regions::FilledRegions;
 use chordal::budget::Failure;
 use chordal::convert::outline_to_field;
@@ -7,12 +7,11 @@ use chordal::math::greater;
 use chordal::{Budget, Job, Tolerance};
 use chordal_io::Drawing;
 
-/// What a drawing fills, with y up, as one shape of the plane: the distance to polygons within a length of its
-/// curves, which is its slack ([`Field::slack`]). With it come sentences about what it was made of: within how much
-/// the polygons are.
+/// The filled regions of a drawing, with y up, as one shape of the plane: the distance to polygons within a length of its
+/// curves, which is its slack ([`Field::slack`]). Returns sentences with it that state the error of the polygons.
 ///
 /// # Errors
-/// In a sentence: when the drawing fills nothing, or its curves are not replaced within the length.
+/// A sentence: if nothing is filled, or the curves are not replaced within the length.
 pub fn drawing_to_field(
     drawing: &Drawing,
     tolerance: Tolerance,
@@ -24,13 +23,13 @@ pub fn drawing_to_field(
     let budget = Budget::length(tolerance);
     let (mut shapes, mut worst) = (Vec::new(), 0.0);
     for outline in &filled.outlines {
-        let made = outline_to_field(outline, &budget, job).map_err(|failure| match failure {
-            Failure::Refused(why) => why.message.to_string(),
+        let field = outline_to_field(outline, &budget, job).map_err(|failure| match failure {
+            Failure::Refused(refusal) => refusal.message.to_string(),
             _ => format!("its curves are not replaced by polygons within {}", tolerance.get()),
         })?;
-        let off = made.bound.at_most().ok_or("its polygons have no bound")?;
-        worst = greater(worst, off);
-        shapes.push(made.shape.with_slack(off));
+        let error = field.bound.at_most().ok_or("its polygons have no bound")?;
+        worst = greater(worst, error);
+        shapes.push(field.shape.with_slack(error));
     }
     let mut sentences = Vec::new();
     if worst > 0.0 {

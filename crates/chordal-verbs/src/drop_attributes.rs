@@ -6,8 +6,8 @@ use chordal::budget::advice::Message;
 use chordal::explicit::{InvalidMesh, Semantic};
 use chordal_io::{Part, Scene};
 
-/// Drops the normals of a scene that will be recomputed, so that they preserve no edge, and the tangents that go
-/// with them, with a note.
+/// Drops the normals of a scene that will be recomputed, so that no edge is kept for them, and the tangents that belong to
+/// them, with a note.
 pub(crate) fn drop_normals(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
     if scene.parts.iter().any(|part| part.mesh.attribute(&Semantic::Tangent).is_some()) {
         notes.push("tangents were left out: they go with the old normals".into());

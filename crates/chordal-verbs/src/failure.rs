@@ -1,4 +1,4 @@
-//! `MeshFailure`: why a verb made no result within the budget.
+//! `MeshFailure`: why a verb returned no result within the budget.
 use crate::MeshOutcome;
 use crate::report::{OpenPlacesFacts, Output};
 use chordal::budget::advice::Message;
@@ -7,7 +7,7 @@ use chordal::budget::{Failure, InvalidLength, JobError, Refusal, RefusalCode};
 use chordal_io::{CoordinateOverflow, WriteError};
 use std::fmt;
 
-/// Why a verb made no result within the budget.
+/// Why a verb returned no result within the budget.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeshFailure {
     /// The length has no meaning for this shape.
@@ -30,8 +30,7 @@ impl MeshFailure {
         Self::Refused(Refusal::new(code, message))
     }
 
-    /// For results that are useless outside the budget: turns the miss into a refusal, whose sentence starts
-    /// with `what`.
+    /// For results that are useless outside the budget: turns the miss into a refusal whose sentence starts with `what`.
     pub(crate) fn from_missed<T>(failure: Failure<T>, what: &str) -> Self {
         match failure {
             Failure::Unmet(best) => Self::refused(RefusalCode::Budget, format!("{what}{}", best.bound)),
@@ -40,7 +39,7 @@ impl MeshFailure {
         }
     }
 
-    /// Its sentence, with the settings that it advises.
+    /// Its sentence, with the settings that it mentions.
     pub(crate) fn message(&self) -> Message {
         match self {
             Self::Length(why) => why.message(),
@@ -79,7 +78,7 @@ impl MeshFailure {
     }
 }
 
-/// A scene whose transforms cannot be applied.
+/// The transforms of a scene cannot be applied.
 impl From<WriteError> for MeshFailure {
     fn from(error: WriteError) -> Self {
         Self::refused(RefusalCode::Unsupported, error.to_string())
@@ -107,22 +106,22 @@ impl fmt::Display for MeshFailure {
             Self::Length(why) => why.fmt(f),
             Self::Usage(why) => why.fmt(f),
             Self::Unmet(best) => {
-                let made = match best.certificate.output {
+                let output = match best.certificate.output {
                     Some(Output::Polylines(lines)) => format!("{} segments", lines.segments),
-                    Some(Output::Polygons(output)) => format!("{} faces", output.faces),
-                    Some(Output::Triangles(output)) => format!("{} triangles", output.triangles),
+                    Some(Output::Polygons(polygons)) => format!("{} faces", polygons.faces),
+                    Some(Output::Triangles(mesh)) => format!("{} triangles", mesh.triangles),
                     None => "nothing".to_owned(),
                 };
                 f.write_str("the budget was not met; the best reached is ")?;
                 match (best.bound.at_most(), best.bound.at_least()) {
-                    (Some(_), _) => write!(f, "{} with {made}", best.bound)?,
+                    (Some(_), _) => write!(f, "{} with {output}", best.bound)?,
                     (None, least) if least > 0.0 => {
-                        write!(f, "off by {least:.3e} or more, without an upper bound, with {made}")?;
+                        write!(f, "off by {least:.3e} or more, without an upper bound, with {output}")?;
                     }
-                    _ => write!(f, "without an upper bound, with {made}")?,
+                    _ => write!(f, "without an upper bound, with {output}")?,
                 }
                 let open = best.bound.open.as_deref();
-                // Beside a contact, which is why, a place says nothing.
+                // A tangent contact is the reason; the worst place would add nothing.
                 let at = best.bound.at.filter(|_| open.and_then(OpenPlaces::tangent).is_none());
                 if let Some([x, y, z]) = at {
                     write!(f, "; the worst known place is about ({x:.4e}, {y:.4e}, {z:.4e})")?;

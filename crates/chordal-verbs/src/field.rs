@@ -9,7 +9,7 @@ use crate::field_slack::SlackRequest;
 use crate::file_rows::unsupported;
 use crate::report::OpenPlacesFacts;
 use crate::request::MeshRequest;
-use crate::simplified_isosurface::{MadeMesh, simplified, simplified_without_crossings};
+use crate::simplified_isosurface::{MeshWithNote, simplified, simplified_without_crossings};
 use crate::{ImplicitShape, MeshFailure, ShapeLine};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::proof::ProofEffort;
@@ -37,7 +37,7 @@ pub(crate) fn mesh_field(
     Ok((with_materials(scene, &materials).map_err(unsupported)?, bound))
 }
 
-/// A field with meshes by booleans, with its materials. None where it is meshed as a whole.
+/// A field with meshes, by booleans, with its materials. `None` if it has to be meshed as a whole.
 #[cfg(feature = "booleans")]
 fn cut_along_meshes(
     field: &Field,
@@ -48,9 +48,9 @@ fn cut_along_meshes(
     if !convert::has_meshes(field) {
         return Ok(None);
     }
-    let Some(made) = mesh_by_booleans(field, request, job)? else { return Ok(None) };
+    let Some(mesh) = mesh_by_booleans(field, request, job)? else { return Ok(None) };
     notes.push(cut_note().into());
-    let painted = convert::with_face_materials(made, field, job);
+    let painted = convert::with_face_materials(mesh, field, job);
     painted.map(Some).map_err(|failure| MeshFailure::from_missed(failure, ""))
 }
 
@@ -65,7 +65,7 @@ fn cut_along_meshes(
     Ok(None)
 }
 
-/// The same without the materials, which are added to a list.
+/// As [`mesh_field`], but adds the materials to a list instead of to the scene.
 fn mesh_parts(
     implicit: &ImplicitShape,
     request: &MeshRequest,
@@ -76,20 +76,20 @@ fn mesh_parts(
         return mesh_bodies(implicit, request, (materials, notes), job);
     }
     let field = finite(implicit)?;
-    let within = SlackRequest::new(&field, request)?;
-    let Bounded { shape: mesh, bound } = match cut_along_meshes(&field, &within.inner, notes, job)? {
-        Some(made) => made,
-        None => mesh_of_field((&field, &implicit.lines), &within.inner, notes, job)?,
+    let slack = SlackRequest::new(&field, request)?;
+    let Bounded { shape: mesh, bound } = match cut_along_meshes(&field, &slack.inner, notes, job)? {
+        Some(mesh) => mesh,
+        None => mesh_of_field((&field, &implicit.lines), &slack.inner, notes, job)?,
     };
-    let (bound, counted) = within.count(bound);
-    notes.extend(counted);
+    let (bound, note) = slack.count(bound);
+    notes.extend(note);
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(
             format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there").into(),
         );
     }
-    // Formats with normals; other formats keep one row a vertex.
+    // Formats with normals get them; other formats keep one row a vertex.
     let shaded = request.to.wants_normals();
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
     let mesh = renumber(mesh, &field, materials).map_err(unsupported)?;
@@ -98,41 +98,41 @@ fn mesh_parts(
 
 /// Without booleans every field is meshed as a whole.
 #[cfg(not(feature = "booleans"))]
-fn mesh_by_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<MadeMesh>, MeshFailure> {
+fn mesh_by_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<MeshWithNote>, MeshFailure> {
     Ok(None)
 }
 
-/// Without booleans every draft is one of cubes.
+/// Without booleans every draft is a mesh of cubes.
 #[cfg(not(feature = "booleans"))]
 fn draft_by_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
     Ok(None)
 }
 
-/// What there is at once of a field, in its colours: the triangles of the solids that it combines, or cubes.
+/// A quick mesh of a field, in its colours: the triangles of the solids that it combines, or cubes.
 fn draft(
     field: &Field,
     request: &MeshRequest,
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
-    let made = match draft_by_solids(field, request, job)? {
-        Some(made) => made,
+    let mesh = match draft_by_solids(field, request, job)? {
+        Some(mesh) => mesh,
         None => {
-            let (made, words) = mesh_whole(field, request, job)?;
-            notes.extend(words);
-            if *made.bound.evidence() == Evidence::Estimated {
+            let (mesh, note) = mesh_whole(field, request, job)?;
+            notes.extend(note);
+            if *mesh.bound.evidence() == Evidence::Estimated {
                 notes.push(DRAFT.into());
             }
-            made
+            mesh
         }
     };
     if field.materials().is_empty() {
-        return Ok(made);
+        return Ok(mesh);
     }
-    convert::with_face_materials(made, field, job).map_err(|failure| MeshFailure::from_missed(failure, ""))
+    convert::with_face_materials(mesh, field, job).map_err(|failure| MeshFailure::from_missed(failure, ""))
 }
 
-/// What is said of a mesh that is measured although a proof was tried; `None` of others.
+/// A note on a mesh that is only measured although a proof was tried; `None` for other meshes.
 fn unproved_note(bound: &Bound) -> Option<Message> {
     if bound.evidence().bounds_above() {
         return None;
@@ -157,12 +157,12 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
         Message::from(what)
             .words("; ")
             .value(Setting::Effort, "best")
-            .words(" goes on with the proof to its end"),
+            .words(" continues the proof to its end"),
     )
 }
 
-/// The surface of a field: the triangles of the solids that it combines, or where it has others, or these are not proved, its
-/// own. The lines of its script are for sentences.
+/// The surface of a field: meshed by the solids that it combines; or by the field itself, if it has other parts or the mesh
+/// by solids is not proved. `lines` of the script are named in messages.
 fn mesh_of_field(
     (field, lines): (&Field, &[ShapeLine]),
     request: &MeshRequest,
@@ -172,49 +172,50 @@ fn mesh_of_field(
     if request.budget.require == RequiredEvidence::Estimated {
         return draft(field, request, notes, job);
     }
-    let is_proved = |made: &MadeMesh| made.0.bound.at_most().is_some();
-    let is_enough = |made: &MadeMesh| is_proved(made) || request.budget.require == RequiredEvidence::Measured;
-    let ways = BothWays::new(request, job);
-    let (mut made, words) = match mesh_by_solids(field, request, &ways.limited())? {
-        Some(made) if is_enough(&made) || !ways.has_second(field) || job.is_finishing() => made,
+    let is_proved = |mesh: &MeshWithNote| mesh.0.bound.at_most().is_some();
+    let is_enough =
+        |mesh: &MeshWithNote| is_proved(mesh) || request.budget.require == RequiredEvidence::Measured;
+    let limits = AttemptLimits::new(request, job);
+    let (mut mesh, note) = match mesh_by_solids(field, request, &limits.by_solids())? {
+        Some(mesh) if is_enough(&mesh) || !limits.tries_field(field) || job.is_finishing() => mesh,
         None => mesh_whole(field, request, job)?,
-        // The proof of a field ends at places where that of its solids does not.
-        Some(made) => match mesh_whole(field, request, &ways.second()) {
+        // The proof by the field may succeed at places where the proof by its solids does not.
+        Some(mesh) => match mesh_whole(field, request, &limits.by_field()) {
             Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
-            Ok(whole) if is_proved(&whole) => whole,
-            _ => made,
+            Ok(mesh_of_field) if is_proved(&mesh_of_field) => mesh_of_field,
+            _ => mesh,
         },
     };
-    notes.extend(words);
-    name_lines(&mut made.bound, lines);
+    notes.extend(note);
+    name_lines(&mut mesh.bound, lines);
     if field.evidence().bounds_above() && request.budget.require == RequiredEvidence::ProvedOrMeasured {
-        notes.extend(unproved_note(&made.bound));
+        notes.extend(unproved_note(&mesh.bound));
     }
-    notes.extend(shape_notes(&made.shape, request, job));
-    Ok(made)
+    notes.extend(shape_notes(&mesh.shape, request, job));
+    Ok(mesh)
 }
 
-/// The evaluations of the proof of solids, and then those of the way of a field where that proof did not end, if a proof is a
-/// wish and no condition. Measured: of the tests' 179 parts the second proves 14 in no more, which takes up to six seconds; those
-/// that it never proves took up to half a minute without a limit, and a lattice of 500 struts minutes.
+/// The evaluations for the proof by solids, and again for the proof by the field after it failed, if a proof is preferred
+/// but not required. Measured: of the tests' 179 parts the second attempt proves 14 within this limit, in up to six
+/// seconds; without a limit, parts that it never proves took up to half a minute, and a lattice of 500 struts minutes.
 const WORK: u64 = 1 << 24;
-/// The most bytes of the cells of that way. Measured: what it proves takes up to half of it; cells of what it does not prove go
-/// on to be halved for a minute.
+/// The most bytes for the cells of the second attempt. Measured: parts that it proves take up to half of it; cells of other
+/// parts were halved for another minute.
 const CELLS: u64 = 1 << 27;
-/// Combinations of more solids are not tried in the second way. Measured: what it proves has up to 24, and of a lattice of 216
-/// rods, which takes three seconds, it meshed 50 more in vain.
+/// Combinations of more solids get no second attempt. Measured: the ones that it proves have up to 24 solids; for a lattice
+/// of 216 rods, which takes three seconds by solids, it worked for 50 seconds more in vain.
 const MOST_SOLIDS: u64 = 64;
-/// The share of a memory that these proofs may take. Measured: under a limit of 256 MB 275 were held where they took all of it,
-/// and cuts of a thousand solids had left 100 of them behind.
+/// The share of the memory that these proofs may take. Measured: under a limit of 256 MB, 275 MB were in use when they
+/// could take all of it, of which 100 MB were left behind by cuts of a thousand solids.
 const SHARE_OF_MEMORY: f64 = 0.5;
 
-/// The conditions of a combination of solids by its triangles, and then, where some were made, by its field.
-struct BothWays {
+/// The limits of the two attempts at a combination of solids: by the triangles of the solids, and then by its field.
+struct AttemptLimits {
     job: Job,
     is_unlimited: bool,
 }
 
-impl BothWays {
+impl AttemptLimits {
     fn new(request: &MeshRequest, job: &Job) -> Self {
         let mut job = job.clone();
         job.memory_limit = (SHARE_OF_MEMORY * job.memory_limit as f64) as u64;
@@ -223,18 +224,18 @@ impl BothWays {
         Self { job, is_unlimited }
     }
 
-    fn limited(&self) -> Job {
+    fn by_solids(&self) -> Job {
         if self.is_unlimited { self.job.clone() } else { self.job.with_work_limit(WORK) }
     }
 
-    /// Whether it is worth while to try that of a field.
-    fn has_second(&self, field: &Field) -> bool {
-        self.is_unlimited || field.construction().is_none_or(|own| own.n_solids() <= MOST_SOLIDS)
+    /// Whether the attempt by the field is worth its time.
+    fn tries_field(&self, field: &Field) -> bool {
+        self.is_unlimited
+            || field.construction().is_none_or(|construction| construction.n_solids() <= MOST_SOLIDS)
     }
 
-    /// For the way of a field.
-    fn second(&self) -> Job {
-        let mut job = self.limited();
+    fn by_field(&self) -> Job {
+        let mut job = self.by_solids();
         if !self.is_unlimited {
             job.memory_limit = job.memory_limit.min(CELLS);
         }
@@ -242,22 +243,22 @@ impl BothWays {
     }
 }
 
-/// The surface of a field by itself, and what is to be said of it.
-fn mesh_whole(field: &Field, request: &MeshRequest, job: &Job) -> Result<MadeMesh, MeshFailure> {
-    let mut words = None;
-    let made = request.run(job, |budget| {
-        let way = if convert::has_meshes(field) { simplified_field } else { mesh_in_detail };
-        let (made, said) = way(field, (budget, request), job)?;
-        words = said;
-        Ok(made)
+/// The surface of a field by itself, with a note on it.
+fn mesh_whole(field: &Field, request: &MeshRequest, job: &Job) -> Result<MeshWithNote, MeshFailure> {
+    let mut note = None;
+    let mesh = request.run(job, |budget| {
+        let build = if convert::has_meshes(field) { simplified_field } else { mesh_in_detail };
+        let (mesh, mesh_note) = build(field, (budget, request), job)?;
+        note = mesh_note;
+        Ok(mesh)
     })?;
-    Ok((made, words))
+    Ok((mesh, note))
 }
 
-/// What is to be said of a draft of cubes, whose vertices move by themselves. To count what crosses takes as long as the draft.
+/// The note on a draft of cubes, whose vertices move one by one. Counting the crossings would take as long as the draft.
 pub(crate) const DRAFT: &str = "a draft: its triangles may cross each other, and `inspect` counts where";
 
-/// What is to be said of the triangles of a shape, as they are written: ties that their digits make, and triangles that cross.
+/// Notes on the triangles of a shape as they are written: edges that rounding ties together, and triangles that cross.
 fn shape_notes(mesh: &Mesh, request: &MeshRequest, job: &Job) -> Vec<Message> {
     let mut notes = Vec::new();
     let ties = check::validity(mesh, Topology::Positions).non_manifold_edges.count;
@@ -273,10 +274,10 @@ fn shape_notes(mesh: &Mesh, request: &MeshRequest, job: &Job) -> Vec<Message> {
     notes
 }
 
-/// What is to be said of triangles that cross: their bound holds all the same, but what fills solids, as slicers do, may trip
+/// A note on triangles that cross: their bound holds all the same, but programs that fill solids, as slicers do, may trip
 /// over them.
 fn crossing_note(mesh: &Mesh, job: &Job) -> Option<Message> {
-    let n_pairs = check::self_intersections(mesh, job).map_or(0, |found| found.count);
+    let n_pairs = check::self_intersections(mesh, job).map_or(0, |crossings| crossings.count);
     let pairs = if n_pairs == 1 { "pair" } else { "pairs" };
     let message =
         Message::from(format!("triangles cross or touch each other in {n_pairs} {pairs}: `inspect` with "))
@@ -285,40 +286,40 @@ fn crossing_note(mesh: &Mesh, job: &Job) -> Option<Message> {
     (n_pairs > 0).then_some(message)
 }
 
-/// The coarsest length, relative to the diagonal of the bounds, for which a field is meshed; what a longer one has room for is
+/// The coarsest length, relative to the diagonal of the bounds, for which a field is meshed; the rest of a longer length is
 /// left to collapses. Chosen: about where details of ordinary parts begin to be as large as the length, so that cells miss
-/// them, proofs do not end, and triangles become more instead of fewer.
+/// them, proofs fail, and triangles become more instead of fewer.
 const COARSEST: f64 = 0.01;
 
-/// The surface of a field without meshes. Of a long length all but a hundredth of the size is for collapses of the triangles
-/// that such a length needs; and of a shape in several materials, what is left of the length is for collapses of those that
-/// lie along their borders.
+/// The surface of a field without meshes. If the length is longer than a hundredth of the size, the shape is meshed within
+/// that, and collapses of triangles get the rest; for a shape in several materials, collapses along the borders of these
+/// get the rest of any length.
 fn mesh_in_detail(
     field: &Field,
     (budget, request): (&Budget, &MeshRequest),
     job: &Job,
-) -> Result<MadeMesh, Failure<Mesh>> {
+) -> Result<MeshWithNote, Failure<Mesh>> {
     let direct = || convert::field_to_mesh(field, budget, job);
     let coarsest = Tolerance::new(COARSEST * field.bounds().diagonal());
     let (Some(length), Ok(coarsest)) = (budget.length.map(Tolerance::get), coarsest) else {
-        return direct().map(|made| (made, None));
+        return direct().map(|mesh| (mesh, None));
     };
-    // What is only measured leaves no length that could be added to.
+    // If the error is only measured, there is no bound to which collapses could add theirs.
     let is_proof_tried =
         matches!(budget.require, RequiredEvidence::Proved | RequiredEvidence::ProvedOrMeasured)
             && field.evidence().bounds_above();
     if !is_proof_tried || budget.pixels.is_some() || budget.triangles.is_some() {
-        return direct().map(|made| (made, None));
+        return direct().map(|mesh| (mesh, None));
     }
     let fine = if length > coarsest.get() {
         match convert::field_to_mesh(field, &Budget { length: Some(coarsest), ..*budget }, job) {
             Ok(fine) => fine,
             Err(Failure::Cancelled) => return Err(Failure::Cancelled),
-            // What is missed within so little may be met within more.
-            Err(_) => return direct().map(|made| (made, None)),
+            // The shorter length may be missed although the longer one can be met.
+            Err(_) => return direct().map(|mesh| (mesh, None)),
         }
     } else if field.materials().is_empty() {
-        return direct().map(|made| (made, None));
+        return direct().map(|mesh| (mesh, None));
     } else {
         direct()?
     };
@@ -328,8 +329,8 @@ fn mesh_in_detail(
     simplified_without_crossings(fine, (budget, length, request.effort), job)
 }
 
-/// The share of a length within which signs on a lattice are polygonized; what that leaves is for collapses. Chosen: half
-/// the step takes four times as long, and collapses undo the most of it.
+/// The share of a length within which signs on a lattice are polygonized; collapses get the rest. Chosen: half the step
+/// takes four times as long, and collapses undo most of the gain.
 const SHARE: f64 = 0.75;
 
 /// The surface of a field with meshes: the fine triangles of a lattice, or the mesh itself, with as few of them as the
@@ -338,51 +339,51 @@ fn simplified_field(
     field: &Field,
     (budget, request): (&Budget, &MeshRequest),
     job: &Job,
-) -> Result<MadeMesh, Failure<Mesh>> {
+) -> Result<MeshWithNote, Failure<Mesh>> {
     let length = budget.length_in(&field.bounds()).unwrap_or(0.0);
     let fine = match Tolerance::new(SHARE * length) {
         Ok(share) => Budget { length: Some(share), pixels: None, triangles: None, ..*budget },
-        // Only a number of triangles: more of them are made first, and the best are kept.
+        // Only a number of triangles: more of them are built first, and collapses keep the best.
         Err(_) if length == f64::INFINITY => {
             Budget { triangles: budget.triangles.map(|most| most.saturating_mul(FINER)), ..*budget }
         }
         Err(_) => *budget,
     };
-    let made = convert::field_to_mesh(field, &fine, job).or_else(Failure::best_effort)?;
-    simplified(made, (budget, length, request.effort), job)
+    let mesh = convert::field_to_mesh(field, &fine, job).or_else(Failure::best_effort)?;
+    simplified(mesh, (budget, length, request.effort), job)
 }
 
-/// How many times as many triangles a lattice gets as are asked for. Chosen: then collapses have a choice.
+/// How many times as many triangles a lattice gets as the budget allows. Chosen: so that collapses have a choice.
 const FINER: u64 = 16;
 
-/// The bodies of a shape, each as a part with its own bound, which a note says; the bound is the largest.
+/// The bodies of a shape, each as a part with a bound of its own in a note; the returned bound is the largest.
 fn mesh_bodies(
     implicit: &ImplicitShape,
     request: &MeshRequest,
     (materials, notes): (&mut Vec<SurfaceMaterial>, &mut Vec<Message>),
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let (mut all, mut worst): (Scene, Option<Bound>) = (Scene::default(), None);
-    all.frame = implicit.frame;
+    let (mut merged, mut worst): (Scene, Option<Bound>) = (Scene::default(), None);
+    merged.frame = implicit.frame;
     for body in &implicit.bodies {
-        let mut own_notes = Vec::new();
+        let mut body_notes = Vec::new();
         let (mut scene, bound) =
-            mesh_parts(&implicit.of_body(body), request, (materials, &mut own_notes), job)?;
-        // What is said of one is said of all.
-        own_notes.retain(|note| !notes.contains(note));
-        notes.extend(own_notes);
+            mesh_parts(&implicit.of_body(body), request, (materials, &mut body_notes), job)?;
+        // A note that several bodies share is given once.
+        body_notes.retain(|note| !notes.contains(note));
+        notes.extend(body_notes);
         let n_triangles: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
-        let within = match bound.at_most() {
+        let bound_text = match bound.at_most() {
             Some(most) => format!("at most {most:.3e} ({})", bound.evidence().as_str()),
             None => bound.to_string(),
         };
-        notes.push(format!("'{}': {n_triangles} triangles, bound {within}", body.name).into());
+        notes.push(format!("'{}': {n_triangles} triangles, bound {bound_text}", body.name).into());
         for mut part in scene.parts.drain(..) {
             part.name.clone_from(&body.name);
-            let node = Node { name: body.name.clone(), part: Some(all.parts.len()), ..Node::default() };
-            all.roots.push(all.nodes.len());
-            all.nodes.push(node);
-            all.parts.push(part);
+            let node = Node { name: body.name.clone(), part: Some(merged.parts.len()), ..Node::default() };
+            merged.roots.push(merged.nodes.len());
+            merged.nodes.push(node);
+            merged.parts.push(part);
         }
         worst = Some(match worst {
             None => bound,
@@ -390,10 +391,10 @@ fn mesh_bodies(
         });
     }
     let empty = || MeshFailure::refused(RefusalCode::Empty, "there is no shape");
-    Ok((all, worst.ok_or_else(empty)?))
+    Ok((merged, worst.ok_or_else(empty)?))
 }
 
-/// The bound that holds for two parts: the ends of the one whose upper end is larger, with the weaker evidence.
+/// The bound that holds for two parts: the ends of the bound with the larger upper end, with the weaker evidence.
 pub(crate) fn wider(a: Bound, b: Bound) -> Bound {
     let upper = |bound: &Bound| bound.at_most().unwrap_or(f64::INFINITY);
     let at_least = greater(a.at_least(), b.at_least());
@@ -404,16 +405,16 @@ pub(crate) fn wider(a: Bound, b: Bound) -> Bound {
     let metric =
         if matches!(other.metric, Metric::OneSided | Metric::Solid) { other.metric } else { larger.metric };
     let pixels = larger.pixels.zip(other.pixels).map(|(a, b)| greater(a, b));
-    let mut all = Bound::with_evidence(at_least, at_most, evidence, larger.reference);
-    (all.metric, all.angle_deg, all.pixels) = (metric, angle_deg, pixels);
-    all.open = match (larger.open, other.open) {
+    let mut merged = Bound::with_evidence(at_least, at_most, evidence, larger.reference);
+    (merged.metric, merged.angle_deg, merged.pixels) = (metric, angle_deg, pixels);
+    merged.open = match (larger.open, other.open) {
         (Some(a), Some(b)) => Some(Box::new(a.beside(&b))),
         (a, b) => a.or(b),
     };
-    all
+    merged
 }
 
-/// Coordinates up to this have finite squares and sums of squares: derived, 2^1024 is the largest double.
+/// Coordinates up to this have finite squares and sums of squares. Derived: 2^1024 is the largest double.
 const LARGEST: f64 = 1e150;
 
 /// The message for a field that cannot be meshed because it is unbounded.
@@ -423,14 +424,14 @@ pub(crate) fn endless() -> Message {
         .words(")")
 }
 
-/// Whether it is a figure of the plane, which has ends there and none along z.
+/// Whether the field is a figure of the plane: bounded there, and independent of z.
 fn is_flat(field: &Field) -> bool {
     let Box3 { min, max } = field.bounds();
     let ends = [min[0], min[1], max[0], max[1]];
     ends.iter().all(|x| x.is_finite()) && !field.tape().axes()[2]
 }
 
-/// The same for a figure of the plane.
+/// The message for a figure of the plane, which cannot be meshed without a height.
 fn flat() -> Message {
     Message::from("the shape is flat, a figure of the plane without a height: extrude(shape, height) makes a solid of it, or ")
         .value(Setting::Region, "-1,-1,-1 1,1,1")
@@ -440,7 +441,7 @@ fn flat() -> Message {
 /// The field clipped to its region.
 ///
 /// # Errors
-/// When it is unbounded in some direction, or reaches so far that numbers overflow.
+/// If it is unbounded in some direction, or reaches so far that numbers overflow.
 pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
     let field = implicit.solid();
     let bounds = field.bounds();
@@ -492,9 +493,9 @@ mod tests {
             [1.0, 1.0, 1.0],
             [9.0, 9.0, 0.0],
         ];
-        let of = |faces| crossing_note(&Mesh::new(points.clone(), faces).unwrap(), &Job::default());
-        assert_eq!(of(vec![[0, 1, 2]]).map(|note| note.to_string()), None);
-        let said = of(vec![[0, 1, 2], [3, 4, 5]]).unwrap().to_string();
-        assert!(said.starts_with("triangles cross or touch each other in 1 pair: "), "{said}");
+        let note_of = |faces| crossing_note(&Mesh::new(points.clone(), faces).unwrap(), &Job::default());
+        assert_eq!(note_of(vec![[0, 1, 2]]).map(|note| note.to_string()), None);
+        let note = note_of(vec![[0, 1, 2], [3, 4, 5]]).unwrap().to_string();
+        assert!(note.starts_with("triangles cross or touch each other in 1 pair: "), "{note}");
     }
 }

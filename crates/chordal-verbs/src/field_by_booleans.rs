@@ -2,7 +2,7 @@
 use crate::MeshFailure;
 use crate::format_rounding::RoundingTarget;
 use crate::request::MeshRequest;
-use crate::solid_cut::{CutFailure, cut, cutting_slack, whole_bound};
+use crate::solid_cut::{CutFailure, cut, cutting_slack, total_bound};
 use chordal::boolean::BooleanOp;
 use chordal::budget::{Bound, Bounded, Budget, Failure, Reference, RefusalCode, RequiredEvidence, Tolerance};
 use chordal::convert::field_to_mesh;
@@ -12,17 +12,16 @@ use chordal::math::add_up;
 use chordal::{Job, Mesh};
 use chordal_io::Format;
 
-/// The triangles of a field with meshes at the precision of a format, by booleans. None where it is no tree of solids,
-/// where the budget has no length, and where a part or a cut does not succeed within it: then the field is
-/// meshed as a whole.
+/// The triangles of a field with meshes at the precision of a format, by booleans. `None` if the field is not a tree of
+/// solids, if the budget has no length, or if a part or a cut fails within it: then the field is meshed as a whole.
 ///
-/// Meshes are cut as they are, and what has no mesh in it becomes triangles within the length. The bound is that of
-/// [`mesh_boolean`](crate::mesh_boolean): of each cut, one after the other, and the largest of the parts' own. A point
-/// farther than both together from all surfaces of the parts is farther than the cuts' from all their triangles; so every
-/// cut leaves it on its side, as far as each part's triangles do.
+/// Meshes are cut as they are, and parts without meshes become triangles within the length. The bound is that of
+/// [`mesh_boolean`](crate::mesh_boolean): of each cut, one after the other, and the largest of the parts' own bounds. A
+/// point farther than both together from all surfaces of the parts is farther than the cuts' bounds from all their
+/// triangles; so every cut leaves it on its side, like the triangles of each part.
 ///
 /// # Errors
-/// When the job is cancelled, or rounding alone exceeds the budget.
+/// If the job is cancelled, or rounding alone exceeds the budget.
 pub(crate) fn mesh_by_booleans(
     field: &Field,
     request: &MeshRequest,
@@ -32,43 +31,42 @@ pub(crate) fn mesh_by_booleans(
         return Ok(None);
     }
     let rounding = add_up(request.rounding(), cutting_slack(&request.bounds));
-    let within = request.reserve_rounding(rounding)?.length_in(&request.bounds);
-    let Some(within) = within.and_then(|length| Tolerance::new(length).ok()) else { return Ok(None) };
+    let length = request.reserve_rounding(rounding)?.length_in(&request.bounds);
+    let Some(within) = length.and_then(|length| Tolerance::new(length).ok()) else { return Ok(None) };
     let tree = match SolidTree::from_field(field) {
         Ok(Some(tree)) => tree,
-        // The field's own way says what is wrong with it.
+        // Meshing the field as a whole reports the reason.
         Ok(None) | Err(_) => return Ok(None),
     };
     let target = RoundingTarget::new(request.to, request.lattice);
-    let Some(whole) = SolidCutter { within, require: request.budget.require, target, job }.whole(tree)?
-    else {
+    let Some(mesh) = SolidCutter { within, require: request.budget.require, target, job }.whole(tree)? else {
         return Ok(None);
     };
-    let bound = with_promises(&whole.bound, field);
+    let bound = with_promises(&mesh.bound, field);
     let fits =
         |limit: Option<f64>| limit.is_none_or(|limit| bound.at_most().is_some_and(|most| most <= limit));
-    // Where nothing is left, the field's own way says so.
-    if whole.shape.faces().is_empty() {
+    // If nothing is left, meshing the field as a whole reports it.
+    if mesh.shape.faces().is_empty() {
         return Ok(None);
     }
-    let few = request.budget.triangles.is_none_or(|most| whole.shape.faces().len() as u64 <= most);
+    let few = request.budget.triangles.is_none_or(|most| mesh.shape.faces().len() as u64 <= most);
     let is_met = bound.evidence().bounds_above() && fits(request.budget.length_in(&request.bounds)) && few;
-    Ok(is_met.then_some(Bounded { shape: whole.shape, bound }))
+    Ok(is_met.then_some(Bounded { shape: mesh.shape, bound }))
 }
 
-/// The bound against the field, by what its promises are worth.
+/// The bound against the field, with the evidence of the field's declared distances.
 fn with_promises(bound: &Bound, field: &Field) -> Bound {
     let evidence = bound.evidence().weaker(&field.evidence());
-    let mut all = Bound::with_evidence(bound.at_least(), bound.at_most(), evidence, Reference::Field);
-    (all.metric, all.at) = (bound.metric, bound.at);
-    all
+    let mut weakened = Bound::with_evidence(bound.at_least(), bound.at_most(), evidence, Reference::Field);
+    (weakened.metric, weakened.at) = (bound.metric, bound.at);
+    weakened
 }
 
-/// A solid on the way: itself, or cuts that are made when it is used.
+/// A solid that is not finished: its triangles, or cuts that are made when it is used.
 enum PendingSolid {
     Ready(Bounded<Mesh>),
     Chain(Vec<Bounded<Mesh>>, Vec<BooleanOp>),
-    /// It has become an operand.
+    /// The solid has become an operand.
     Used,
 }
 
@@ -80,13 +78,13 @@ struct SolidCutter<'a> {
 }
 
 impl SolidCutter<'_> {
-    /// The last solid, rounded to the format. None where a part or a cut fails.
+    /// The last solid, rounded to the format. `None` if a part or a cut fails.
     fn whole(&self, tree: SolidTree) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
         let uses = uses_of(&tree.nodes);
         let mut solids: Vec<PendingSolid> = Vec::with_capacity(tree.nodes.len());
         for (number, node) in tree.nodes.into_iter().enumerate() {
             let next = match node {
-                SolidNode::Triangles(made) => PendingSolid::Ready(made),
+                SolidNode::Triangles(mesh) => PendingSolid::Ready(mesh),
                 SolidNode::Field(part) => match self.part(&part)? {
                     Some(part) => PendingSolid::Ready(part),
                     None => return Ok(None),
@@ -107,13 +105,13 @@ impl SolidCutter<'_> {
         }
         match solids.pop() {
             Some(PendingSolid::Chain(operands, ops)) => self.cut(&operands, &ops, self.target),
-            Some(PendingSolid::Ready(whole)) => Ok(Some(whole)),
+            Some(PendingSolid::Ready(mesh)) => Ok(Some(mesh)),
             None | Some(PendingSolid::Used) => Ok(None),
         }
     }
 
-    /// Two solids with what combines them. Cuts of the first go on where nothing else uses it. `Used` where a cut of one
-    /// of them fails.
+    /// Two solids with the operation that combines them. The cuts of the first are continued if nothing else uses it.
+    /// `Used` if a cut of one of them fails.
     fn chain(
         &self,
         solids: &mut [PendingSolid],
@@ -130,18 +128,18 @@ impl SolidCutter<'_> {
             ops.push(op);
             return Ok(PendingSolid::Chain(operands, ops));
         }
-        let Some(one) = self.taken(solids, first, uses[first])? else { return Ok(PendingSolid::Used) };
-        Ok(PendingSolid::Chain(vec![one, other], vec![op]))
+        let Some(base) = self.taken(solids, first, uses[first])? else { return Ok(PendingSolid::Used) };
+        Ok(PendingSolid::Chain(vec![base, other], vec![op]))
     }
 
-    /// A solid as one mesh; a copy of it, where others use it, too.
+    /// A solid as one mesh, which is copied if other solids use it, too.
     fn taken(
         &self,
         solids: &mut [PendingSolid],
         number: usize,
         uses: usize,
     ) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
-        // Rounded to no format: only the last cut is written.
+        // Not rounded to a format: only the last cut is written.
         let exact = RoundingTarget::format(Format::Ply);
         let ready = match std::mem::replace(&mut solids[number], PendingSolid::Used) {
             PendingSolid::Ready(solid) => solid,
@@ -161,11 +159,11 @@ impl SolidCutter<'_> {
     fn part(&self, part: &Field) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
         let budget = Budget { require: self.require, ..Budget::length(self.within) };
         match field_to_mesh(part, &budget, self.job) {
-            // What samples say of a part says nothing of what is cut from it.
-            Ok(made) => Ok(made.bound.evidence().bounds_above().then_some(made)),
+            // A measured error of a part is no bound for the cuts.
+            Ok(mesh) => Ok(mesh.bound.evidence().bounds_above().then_some(mesh)),
             Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
-            // Nothing of it is near the whole.
-            Err(Failure::Refused(why)) if why.code == RefusalCode::Empty => {
+            // The part has no surface within the bounds of the field.
+            Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::Empty => {
                 Ok(Some(Bounded { shape: Mesh::default(), bound: Bound::exact(Reference::Field) }))
             }
             Err(_) => Ok(None),
@@ -180,14 +178,14 @@ impl SolidCutter<'_> {
     ) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
         let meshes: Vec<&Mesh> = operands.iter().map(|operand| &operand.shape).collect();
         match cut(&meshes, ops, target, self.job) {
-            Ok(made) if made.bound.evidence().bounds_above() => {
-                let own: Vec<&Bound> = operands
+            Ok(solid) if solid.bound.evidence().bounds_above() => {
+                let operand_bounds: Vec<&Bound> = operands
                     .iter()
                     .map(|operand| &operand.bound)
-                    .filter(|own| own.at_most() != Some(0.0))
+                    .filter(|bound| bound.at_most() != Some(0.0))
                     .collect();
-                let bound = whole_bound(&made, &own);
-                Ok(Some(Bounded { shape: made.mesh, bound }))
+                let bound = total_bound(&solid, &operand_bounds);
+                Ok(Some(Bounded { shape: solid.mesh, bound }))
             }
             Err(CutFailure::Other(MeshFailure::Cancelled)) => Err(MeshFailure::Cancelled),
             Ok(_) | Err(_) => Ok(None),
@@ -208,7 +206,7 @@ fn uses_of(nodes: &[SolidNode]) -> Vec<usize> {
     uses
 }
 
-/// What is said of triangles that were cut.
+/// The note on triangles that were cut.
 pub(crate) fn cut_note() -> &'static str {
-    "the triangles of meshes were cut as they are: simplify what was written for fewer"
+    "the triangles of meshes were cut as they are: simplify the output for fewer"
 }

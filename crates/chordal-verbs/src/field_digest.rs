@@ -1,11 +1,11 @@
-//! The digest of a field that is a formula: of its terms, for there is no file of it.
+//! The digest of a field that is a formula: the digest of its terms, since it has no file.
 use crate::ImplicitShape;
 use crate::digest::Sha256Stream;
 use chordal::implicit::Expr;
 use chordal::implicit::evaluation::{ExprGraph, Term};
 
-/// The SHA-256 of the terms of a field, of its bodies and of its region; `None` where it calls a function, of which nothing
-/// is known but its values.
+/// The SHA-256 of the terms of a field, of its bodies and of its region; `None` if it calls a user's function, of which only
+/// values are known.
 pub(crate) fn field_digest(implicit: &ImplicitShape) -> Option<String> {
     let mut digest = Sha256Stream::new("field");
     add_terms(&mut digest, implicit.field.expr())?;

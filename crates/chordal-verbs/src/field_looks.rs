@@ -7,43 +7,43 @@ use chordal::implicit::materials::SurfaceMaterial;
 use chordal_io::{MATERIAL, Scene};
 use serde_json::{Value, json};
 
-/// The mesh of a part of a scene, its faces with the numbers that the part's materials have in a list. A material that
-/// is not in it yet is added.
+/// The mesh of a part, with material numbers of the faces that refer to the list `all` for the whole scene. Materials that
+/// are missing in the list are added.
 pub(crate) fn renumber(
     mesh: Mesh,
     part: &Field,
-    all: &mut Vec<SurfaceMaterial>,
+    materials: &mut Vec<SurfaceMaterial>,
 ) -> Result<Mesh, InvalidMesh> {
-    let own = part.materials();
+    let part_materials = part.materials();
     let number = |material: &SurfaceMaterial| {
-        let known = all.iter().position(|known| known == material);
-        let at = known.unwrap_or_else(|| {
-            all.push(material.clone());
-            all.len() - 1
+        let existing = materials.iter().position(|known| known == material);
+        let at = existing.unwrap_or_else(|| {
+            materials.push(material.clone());
+            materials.len() - 1
         });
         (at + 1) as f64
     };
-    let numbers: Vec<f64> = std::iter::once(0.0).chain(own.iter().map(number)).collect();
-    if own.is_empty() {
+    let numbers: Vec<f64> = std::iter::once(0.0).chain(part_materials.iter().map(number)).collect();
+    if part_materials.is_empty() {
         return Ok(mesh);
     }
     mesh.with_only(mesh.attributes().iter().cloned().map(|mut attribute| {
         if attribute.semantic == Semantic::Group(MATERIAL.to_owned()) {
-            // Whole numbers up to that of the last material.
+            // Material numbers are whole and at most the number of the last material.
             attribute.values.iter_mut().for_each(|x| *x = numbers[*x as usize]);
         }
         attribute
     }))
 }
 
-/// The scene with the materials that its faces number from 1, less those that none has.
-pub(crate) fn with_materials(mut scene: Scene, all: &[SurfaceMaterial]) -> Result<Scene, InvalidMesh> {
-    if all.is_empty() {
+/// The scene with the materials that its faces number from 1, without unused ones.
+pub(crate) fn with_materials(mut scene: Scene, materials: &[SurfaceMaterial]) -> Result<Scene, InvalidMesh> {
+    if materials.is_empty() {
         return Ok(scene);
     }
-    let names = std::iter::once(String::new()).chain(all.iter().map(|material| material.name.clone()));
+    let names = std::iter::once(String::new()).chain(materials.iter().map(|material| material.name.clone()));
     scene.groups.insert(MATERIAL.to_owned(), names.collect());
-    scene.assets.materials = all.iter().map(gltf_material).collect();
+    scene.assets.materials = materials.iter().map(gltf_material).collect();
     Ok(scene.with_used_materials()?.into_owned())
 }
 

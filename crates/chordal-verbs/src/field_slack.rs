@@ -1,4 +1,4 @@
-//! The slack of a field in the bound of its mesh: how far polygons are off the curves that they stand for.
+//! The slack of a field in the bound of its mesh: the distance of polygons from the curves that they replace.
 use crate::MeshFailure;
 use crate::request::MeshRequest;
 use chordal::Bound;
@@ -6,27 +6,28 @@ use chordal::budget::advice::Message;
 use chordal::implicit::Field;
 use chordal::math::{add_up, greater, sub_down};
 
-/// The most of a length that is set aside for it. Chosen: more would leave too little for the mesh, which takes the
-/// more triangles; a drawing has a tolerance of its own.
+/// The largest share of a length that is reserved for the slack. Chosen: more would leave too little for the mesh, which
+/// then takes more triangles; a drawing has a tolerance of its own.
 const MOST_SHARE: f64 = 0.5;
 
-/// How the note of a slack begins that no bound counts.
-pub(crate) const NOT_COUNTED: &str = "no bound counts that straight lines stand for curves";
+/// The start of the note if the bound does not include the slack.
+pub(crate) const NOT_COUNTED: &str =
+    "the bound does not include the distance of straight lines from the curves that they replace";
 
-/// A request for the mesh of a field, and what its bound has to count besides.
+/// A request for the mesh of a field, and the slack that its bound has to include.
 pub(crate) struct SlackRequest {
-    /// With room for it.
+    /// The request with the slack reserved.
     pub inner: MeshRequest,
     slack: f64,
-    /// Why it is not counted.
+    /// The reason why the slack is not included.
     why_not: Option<&'static str>,
 }
 
 impl SlackRequest {
-    /// Sets the slack aside, where it is known and leaves room for the mesh.
+    /// Reserves the slack, if it is known and leaves room for the mesh.
     ///
     /// # Errors
-    /// When what is left is less than the rounding of the format.
+    /// If the remaining length is less than the rounding of the format.
     pub fn new(field: &Field, request: &MeshRequest) -> Result<Self, MeshFailure> {
         let slack = field.slack();
         let plain = |why_not| Ok(Self { inner: *request, slack, why_not });
@@ -45,7 +46,7 @@ impl SlackRequest {
         Ok(Self { inner: request.with_budget(request.reserve_rounding(slack)?), slack, why_not: None })
     }
 
-    /// The bound with the slack, and what is to be said of that.
+    /// The bound including the slack, with a note.
     pub fn count(&self, bound: Bound) -> (Bound, Option<Message>) {
         let Self { inner, slack, why_not } = self;
         if *slack == 0.0 {
@@ -58,16 +59,18 @@ impl SlackRequest {
         };
         let at_least = greater(sub_down(bound.at_least(), *slack), 0.0);
         let (evidence, reference) = (bound.evidence().clone(), bound.reference.clone());
-        let mut all = Bound::with_evidence(at_least, Some(add_up(most, *slack)), evidence, reference);
-        all.pixels = inner.budget.pixels.and_then(|px| {
+        let mut total = Bound::with_evidence(at_least, Some(add_up(most, *slack)), evidence, reference);
+        total.pixels = inner.budget.pixels.and_then(|px| {
             px.view.pixels_of_two_steps(bound.pixels?, px.view.pixels_of(*slack, &inner.bounds)?)
         });
-        (all.metric, all.at, all.angle_deg, all.open) = (bound.metric, bound.at, bound.angle_deg, bound.open);
+        (total.metric, total.at, total.angle_deg, total.open) =
+            (bound.metric, bound.at, bound.angle_deg, bound.open);
         let note = format!(
-            "the bound counts that straight lines stand for curves{within} of these; where shapes are combined, what is on \
-             another side than with the curves is no farther than that from the surface of one of them"
+            "the bound includes the distance of straight lines from the curves that they replace{within}; where \
+             shapes are combined, a point that is on another side than with the curves is no farther than that from \
+             the surface of one of them"
         );
-        (all, Some(note.into()))
+        (total, Some(note.into()))
     }
 }
 
@@ -85,8 +88,8 @@ mod tests {
         let request = MeshRequest::new(budget, Format::Ply, field.bounds());
         let slack = SlackRequest::new(&field, &request).unwrap();
         let left = slack.inner.budget.length.unwrap().get();
-        let made = Bound::with_evidence(0.002, Some(left), Evidence::Proved, Reference::Field);
-        let (bound, note) = slack.count(made);
+        let mesh_bound = Bound::with_evidence(0.002, Some(left), Evidence::Proved, Reference::Field);
+        let (bound, note) = slack.count(mesh_bound);
         (left, bound, note.map_or_else(String::new, |note| note.to_string()))
     }
 
@@ -96,7 +99,7 @@ mod tests {
         assert!((0.0899..0.09 + 1e-15).contains(&left), "{left}");
         assert!(bound.at_most().unwrap() < 0.1 + 1e-15 && bound.at_most().unwrap() > 0.0999, "{bound:?}");
         assert_eq!((bound.at_least(), bound.evidence()), (0.0, &Evidence::Proved));
-        assert!(note.starts_with("the bound counts") && note.contains("within 1.000e-2"), "{note}");
+        assert!(note.starts_with("the bound includes") && note.contains("within 1.000e-2"), "{note}");
         let (left, bound, note) = counted(0.0, 0.1);
         assert_eq!((left, bound.at_most(), note.as_str()), (0.1, Some(0.1), ""));
     }

@@ -1,7 +1,7 @@
-//! The extension of a file's name, which says what the file is where its content does not.
+//! The extension of a file's name, which identifies the format if the content does not.
 use chordal_io::Format;
 
-/// The extension of a file's name. `obj.gz` counts as one, as does any other of a format that is packed.
+/// The extension of a file's name. `obj.gz` counts as one extension, as does any other of a packed format.
 #[must_use]
 pub fn extension(name: &str) -> Option<&str> {
     let file = name.rsplit(['/', '\\']).next()?;

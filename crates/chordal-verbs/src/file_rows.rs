@@ -1,15 +1,15 @@
-//! Triangles in the rows that a format gives them, so that counts match those of a reader of the file.
+//! Triangles in the rows of a format, so that counts match those of a reader of the file.
 use chordal::Mesh;
 use chordal::explicit::{InvalidMesh, position_id_by_bits};
 use chordal_io::{Format, Scene, VertexRows, WriteError, for_vertex_caches, glb};
 use std::borrow::Cow;
 
-/// The scene in the rows of its file. glTF has separate vertices for corners with different attributes and
-/// materials, in an order that graphics processors draw fast wherever the triangles are from. STL has separate
-/// vertices for every corner, a single part and no attributes.
+/// The scene in the rows of its file. glTF has separate vertices for corners with different attributes and materials, in an
+/// order that graphics processors draw fast wherever the triangles come from. STL has separate vertices for every corner, a
+/// single part and no attributes.
 ///
 /// # Errors
-/// When there are more rows than one mesh can hold.
+/// If there are more rows than one mesh can hold.
 pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteError> {
     match to.vertex_rows() {
         VertexRows::Soup => {
@@ -23,11 +23,11 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
                     Cow::Owned(ordered) => Some(ordered),
                     Cow::Borrowed(_) => None,
                 };
-                let own = match split {
+                let new_mesh = match split {
                     Cow::Owned(split) => Some(ordered.unwrap_or(split)),
                     Cow::Borrowed(_) => ordered,
                 };
-                if let Some(mesh) = own {
+                if let Some(mesh) = new_mesh {
                     part.mesh = mesh;
                 }
             }
@@ -37,11 +37,11 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
     Ok(scene)
 }
 
-/// Triangles that a verb has made, in an order that graphics processors draw fast, whatever the format. Those that pass
-/// through a verb keep the order of their file, which may mean something there.
+/// Puts the triangles that a verb has built into an order that graphics processors draw fast, whatever the format. Triangles
+/// that pass through a verb unchanged keep the order of their file, which may have a meaning there.
 ///
 /// # Errors
-/// None for parts of a scene: that a mesh refuses what it had is the error of the type.
+/// Never for parts of a scene: the error type allows a mesh to refuse attributes, and these were valid before.
 pub(crate) fn order_new_triangles(scene: &mut Scene) -> Result<(), WriteError> {
     for part in &mut scene.parts {
         order_new_mesh(&mut part.mesh)?;
@@ -49,7 +49,7 @@ pub(crate) fn order_new_triangles(scene: &mut Scene) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// The same of one mesh.
+/// The same for one mesh.
 pub(crate) fn order_new_mesh(mesh: &mut Mesh) -> Result<(), WriteError> {
     let ordered = match for_vertex_caches(mesh).map_err(unsupported)? {
         Cow::Owned(ordered) => ordered,
@@ -59,8 +59,8 @@ pub(crate) fn order_new_mesh(mesh: &mut Mesh) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// The position rows of a mesh in a file of that format. OBJ has one for tied positions, and its attributes
-/// have rows of their own. GLB does not say which rows are tied, so that a reader ties those at one position.
+/// The position rows of a mesh in a file of that format. OBJ has one row for tied positions, and its attributes have rows of
+/// their own. GLB does not state which rows are tied, so that a reader ties rows with equal positions.
 pub(crate) fn rows_of(mesh: &Mesh, format: Format) -> Result<Cow<'_, Mesh>, WriteError> {
     match (format.vertex_rows(), mesh.position_id()) {
         (VertexRows::Positions, Some(id)) => merged(mesh, id).map(Cow::Owned).map_err(unsupported),
@@ -69,13 +69,13 @@ pub(crate) fn rows_of(mesh: &Mesh, format: Format) -> Result<Cow<'_, Mesh>, Writ
     }
 }
 
-/// The triangles with their rows tied that are at one position; as they are where no others are tied already.
+/// The triangles with rows of equal positions tied; borrowed if these are tied already.
 fn tied_by_places(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     let ids = position_id_by_bits(mesh.positions());
     if (0..).zip(&ids).all(|(row, id)| mesh.position_of(row) == *id) {
         return Ok(Cow::Borrowed(mesh));
     }
-    // Adding zero removes the sign of −0, which would make another position.
+    // Adding zero removes the sign of −0, which would make a different position.
     let positions = mesh.positions().iter().map(|p| p.map(|x| x + 0.0)).collect();
     Mesh::new(positions, mesh.faces().to_vec())?.with_position_id(ids).map(Cow::Owned)
 }
@@ -101,7 +101,7 @@ fn merged(mesh: &Mesh, id: &[u32]) -> Result<Mesh, InvalidMesh> {
 fn soup(scene: &Scene) -> Result<Mesh, WriteError> {
     let meshes = || scene.parts.iter().map(|part| &part.mesh);
     let n_faces: usize = meshes().map(|mesh| mesh.faces().len()).sum();
-    // Wrapped numbers only occur with more positions than a mesh may have, which it then refuses.
+    // Indices wrap only with more positions than a mesh may have, which `Mesh::new` then refuses.
     let faces = (0..n_faces as u32).map(|face| [0, 1, 2].map(|k| face.wrapping_mul(3).wrapping_add(k)));
     let corners = meshes().flat_map(|mesh| (0..mesh.faces().len()).flat_map(|face| mesh.corners(face)));
     Mesh::new(corners.collect(), faces.collect()).map_err(unsupported)

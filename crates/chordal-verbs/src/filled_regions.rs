@@ -10,10 +10,10 @@ use chordal::{Bound, Job};
 use chordal_io::{Drawing, Scene};
 
 const RAISED: &str = "the drawing is raised to solids, one for each element, from z = 0 to";
-const VANISHED: &str = "no triangles are left: all that the drawing fills is thinner than the bound";
+const VANISHED: &str = "no triangles are left: all filled regions of the drawing are thinner than the bound";
 
-/// The triangles of a drawing, or of the solid of a height over it, at the precision of the format, their bound, and
-/// the request for their bounding box.
+/// The triangles of a drawing, or of the solid over it, at the precision of the format, with their bound and the request for
+/// their bounding box.
 pub(crate) fn fill(
     (drawing, solid): (&Drawing, Option<DrawnSolid>),
     request: &MeshRequest,
@@ -31,7 +31,7 @@ pub(crate) fn fill(
     }
     let request = MeshRequest::new(request.budget, request.form(), bounds);
     let Bounded { shape: mesh, bound } = request.run(job, |budget| {
-        let made = match solid {
+        let converted = match solid {
             Some(DrawnSolid { height, bevel: Some(width) }) => {
                 convert::outlines_to_bevelled_solid(&filling.outlines, Bevel { height, width }, budget, job)
             }
@@ -40,15 +40,15 @@ pub(crate) fn fill(
             }
             None => convert::outlines_to_mesh(&filling.outlines, budget, job),
         };
-        let best = match &made {
-            Ok(made) => Some(made),
+        let best = match &converted {
+            Ok(converted) => Some(converted),
             Err(Failure::Unmet(best)) => Some(&**best),
             Err(_) => None,
         };
         if best.is_some_and(|best| best.shape.faces().is_empty()) {
             certificate.notes.push(VANISHED.into());
         }
-        made
+        converted
     })?;
     Ok((Scene::from_mesh("drawing", mesh, filling.frame), bound, request))
 }

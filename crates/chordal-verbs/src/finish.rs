@@ -1,4 +1,4 @@
-//! The last step of the verbs: checks a result as its format holds it, and completes the report.
+//! The last step of the verbs: checks a result in the form in which its format holds it, and completes the report.
 use crate::collapsed_faces::drop_collapsed_faces;
 use crate::file_rows::{to_file_rows, unsupported};
 use crate::format_rounding::{single_precision_note, storage_within};
@@ -13,45 +13,45 @@ use chordal_io::{Format, Polylines, Scene, Warning, losses};
 
 pub(crate) const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
-/// Checks triangles as the format holds them, as the last step of a verb.
+/// Checks triangles in the form in which the format holds them, as the last step of a verb.
 ///
 /// # Errors
-/// When the budget is not met, with the outcome all the same; when the format cannot hold them.
+/// If the budget is not met, with the outcome nevertheless; if the format cannot hold the triangles.
 pub(crate) fn finish_triangles(
     mut scene: Scene,
     mut bound: Bound,
-    asked: &MeshRequest,
+    request: &MeshRequest,
     mut certificate: Certificate,
 ) -> Result<MeshOutcome, MeshFailure> {
-    let to = asked.to;
-    scene.packing = asked.packing;
-    certificate.notes.extend(packing_note(scene.stored, asked.form()));
-    if asked.form().is_quantized() {
-        round_attributes(&mut scene, asked)?;
+    let to = request.to;
+    scene.packing = request.packing;
+    certificate.notes.extend(packing_note(scene.stored, request.form()));
+    if request.form().is_quantized() {
+        round_attributes(&mut scene, request)?;
         certificate.notes.extend(single_precision_note(&scene.parts));
     }
     certificate.notes.extend(losses(&scene, to)?.iter().map(Warning::counted));
     let mut scene = to_file_rows(scene, to)?;
-    // 3MF forbids triangles with a corner twice.
+    // 3MF forbids triangles that have the same corner twice.
     if to == Format::ThreeMf {
         let moved = drop_collapsed_faces(&mut scene)?;
         if moved.at_most() != Some(0.0) {
-            // A triangle without area has no normal.
+            // A triangle without area has no normal, so that the bound on angles still holds.
             let angle_deg = bound.angle_deg;
             bound = bound.then(&moved);
             bound.angle_deg = angle_deg;
         }
     }
-    bound.pixels = pixels_of(asked, &bound);
+    bound.pixels = pixels_of(request, &bound);
     certificate.bound = Some(BoundFacts::new(&bound));
     let counted = CountedTriangles::from_scene(&scene, to)?;
     let triangles = counted.output.triangles;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
     certificate.conclude(("triangles", to), written_digest(&scene, to));
-    let budget = &asked.budget;
-    let met = lengths_are_met(asked, &bound)
-        && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)
+    let budget = &request.budget;
+    let met = lengths_are_met(request, &bound)
+        && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(angle, limit)| angle <= limit)
         && budget.triangles.is_none_or(|most| triangles <= most);
     if !met {
         certificate.notes.push(NOT_MET.into());
@@ -60,12 +60,12 @@ pub(crate) fn finish_triangles(
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }
 
-/// Rounds the attributes of all parts, normals that were just made included, to what their storage holds.
-fn round_attributes(scene: &mut Scene, asked: &MeshRequest) -> Result<(), MeshFailure> {
+/// Rounds the attributes of all parts, new normals included, to the precision of their storage.
+fn round_attributes(scene: &mut Scene, request: &MeshRequest) -> Result<(), MeshFailure> {
     for part in &mut scene.parts {
-        let lattice = asked.lattice.filter(|_| !part.is_deformed());
+        let lattice = request.lattice.filter(|_| !part.is_deformed());
         let storage =
-            part.storage.get_or_insert_with(|| Box::new(storage_within(lattice, &asked.budget.attributes)));
+            part.storage.get_or_insert_with(|| Box::new(storage_within(lattice, &request.budget.attributes)));
         part.mesh = storage.round_attributes(&part.mesh).map_err(unsupported)?;
     }
     Ok(())
@@ -75,28 +75,27 @@ fn round_attributes(scene: &mut Scene, asked: &MeshRequest) -> Result<(), MeshFa
 pub(crate) fn finish_polylines(
     polylines: Polylines,
     mut bound: Bound,
-    asked: &MeshRequest,
+    request: &MeshRequest,
     mut certificate: Certificate,
 ) -> Result<MeshOutcome, MeshFailure> {
-    bound.pixels = pixels_of(asked, &bound);
-    certificate.budget = Some(BudgetFacts::new(&asked.budget));
+    bound.pixels = pixels_of(request, &bound);
+    certificate.budget = Some(BudgetFacts::new(&request.budget));
     certificate.bound = Some(BoundFacts::new(&bound));
     let facts = PolylineFacts::from_polylines(&polylines);
     certificate.output = Some(Output::Polylines(facts));
     let met =
-        lengths_are_met(asked, &bound) && asked.budget.segments.is_none_or(|most| facts.segments <= most);
+        lengths_are_met(request, &bound) && request.budget.segments.is_none_or(|most| facts.segments <= most);
     let kind = if matches!(polylines, Polylines::Plane(_)) { "drawing" } else { "curves" };
-    certificate.conclude((kind, asked.to), Some(polylines_digest(&polylines)));
+    certificate.conclude((kind, request.to), Some(polylines_digest(&polylines)));
     if !met {
         certificate.notes.push(NOT_MET.into());
     }
     let outcome =
-        MeshOutcome { made: Tessellation::Polylines(polylines), format: asked.to, bound, certificate };
+        MeshOutcome { made: Tessellation::Polylines(polylines), format: request.to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }
 
-/// The bound on the screen: the smaller of the conversion's own and the projection of the length in
-/// space.
+/// The bound on the screen: the smaller of the conversion's own bound and the projection of the length in space.
 fn pixels_of(request: &MeshRequest, bound: &Bound) -> Option<f64> {
     let view = request.budget.pixels?.view;
     let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &request.bounds));
@@ -106,12 +105,12 @@ fn pixels_of(request: &MeshRequest, bound: &Bound) -> Option<f64> {
     }
 }
 
-/// Whether a bound is within the length and the pixels of the budget. Where a measurement suffices and
-/// there is no proof, the measured error counts.
+/// Whether a bound is within the length and the pixels of the budget. If a measurement suffices and there is no proof, the
+/// measured error is compared.
 fn lengths_are_met(request: &MeshRequest, bound: &Bound) -> bool {
     let MeshRequest { budget, bounds, .. } = request;
     let is_measured = matches!(bound.evidence(), Evidence::Measured { .. });
-    // A draft has no number that could be compared.
+    // A draft has no bound that could be compared.
     if budget.require == RequiredEvidence::Estimated && *bound.evidence() == Evidence::Estimated {
         return true;
     }

@@ -5,7 +5,7 @@ use chordal::math::greater;
 use chordal_io::{Format, Node, Part, Scene, WriteError};
 use serde_json::{Map, Value};
 
-/// A scene with its transforms applied, and a bound of the rounding.
+/// A scene with its transforms applied, and a bound for the rounding of that.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TransformedScene {
     /// The scene.
@@ -22,7 +22,7 @@ impl TransformedScene {
         Self { scene, moved_at_most: 0.0, left_out: 0 }
     }
 
-    /// What is said of the parts that were left out.
+    /// The note on parts that were left out.
     pub fn note(&self) -> Option<Message> {
         (self.left_out > 0)
             .then(|| format!("parts that no node shows were left out ({}x)", self.left_out).into())
@@ -35,13 +35,13 @@ pub(crate) fn is_posed(scene: &Scene) -> bool {
     (0..scene.nodes.len()).any(|node| poses.is_posed(node))
 }
 
-/// The scene as a format can hold it: as it is, or with its transforms applied where the format has no nodes, or no skins
-/// for a scene that has some.
+/// The scene as a format can hold it: unchanged, or with its transforms applied if the format has no nodes, or no skins for
+/// a scene with skins.
 ///
 /// # Errors
-/// As [`flatten`].
+/// As for [`flatten`].
 pub(crate) fn flatten_for(scene: Scene, to: Format) -> Result<TransformedScene, WriteError> {
-    let holds_skins = matches!(to, Format::Glb | Format::Gltf);
+    let holds_skins = to.is_gltf();
     let stays = to.has_nodes() && (holds_skins || !is_posed(&scene));
     if stays { Ok(TransformedScene::unchanged(scene)) } else { flatten(scene) }
 }
@@ -51,7 +51,7 @@ pub(crate) fn flatten_for(scene: Scene, to: Format) -> Result<TransformedScene, 
 /// A scene without transforms, in which every part has one placement, is left as it is.
 ///
 /// # Errors
-/// When the nodes are no tree, or take coordinates out of range.
+/// If the nodes are not a tree, or take coordinates out of range.
 pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
     let places = part_placements(&scene);
     let mut times = vec![0; scene.parts.len()];
@@ -77,19 +77,20 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         let mesh = mesh.into_owned();
         let is_posed = poses.is_posed(place.node);
         let mut properties = part.properties.clone();
-        let mut of_node = properties_beside_transform(node);
+        let mut node_properties = properties_beside_transform(node);
         if is_posed {
-            // It stands in its pose.
-            ["skin", "weights"].iter().for_each(|key| drop(of_node.shift_remove(*key)));
-            properties.iter_mut().for_each(|own| drop(own.shift_remove("weights")));
+            // The mesh is in its pose now.
+            ["skin", "weights"].iter().for_each(|key| drop(node_properties.shift_remove(*key)));
+            properties.iter_mut().for_each(|properties| drop(properties.shift_remove("weights")));
         }
-        // Points and lines are not moved: what is written of this is a format without them, or without nodes.
+        // Points and lines are not moved: flattened scenes are only written to formats without points and lines, or without
+        // nodes.
         let (name_of_part, marks) = (part.name.clone(), part.marks.clone());
         flat.parts.push(Part { mesh, indexed, name: name_of_part, properties, marks, ..Part::default() });
         flat.nodes.push(Node {
             name: name.to_owned(),
             part: Some(at),
-            properties: of_node.into(),
+            properties: node_properties.into(),
             ..Node::default()
         });
         flat.roots.push(at);
@@ -98,7 +99,7 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
     Ok(TransformedScene { scene: flat, moved_at_most, left_out })
 }
 
-/// What a node says beside its transform.
+/// The properties of a node without its transform.
 fn properties_beside_transform(node: &Node) -> Map<String, Value> {
     let is_transform = |key: &str| matches!(key, "translation" | "rotation" | "scale");
     node.properties

@@ -1,4 +1,4 @@
-//! The most that rounding to a file can move the parts of a scene, known before anything is built.
+//! Bounds for the displacement of a scene's parts by the rounding of a file, before anything is built.
 use crate::OutputForm;
 use crate::placements::scaled_up;
 use chordal::Mesh;
@@ -8,13 +8,13 @@ use chordal::math::{Box3, greater, lesser};
 use chordal_io::glb::{DirectionBits, PositionLattice, VertexStorage};
 use chordal_io::{CoordinateOverflow, Format, Part, Scene, SnappedMesh, snap, snap_apart, worst_snap};
 
-/// What the positions of a part are rounded to.
+/// The precision to which the positions of a part are rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RoundingTarget {
     pub format: Format,
-    /// The lattice, where there is one.
+    /// The lattice, if there is one.
     pub lattice: Option<PositionLattice>,
-    /// Whether skins or morph targets move the part: glTF stores such about no origin of its own.
+    /// Whether skins or morph targets move the part: glTF stores such a part without an origin of its own.
     pub is_deformed: bool,
 }
 
@@ -24,12 +24,12 @@ impl RoundingTarget {
         Self { format, lattice: None, is_deformed: false }
     }
 
-    /// That of a format, or a lattice.
+    /// The precision of a format, or of a lattice.
     pub fn new(format: Format, lattice: Option<PositionLattice>) -> Self {
         Self { lattice, ..Self::format(format) }
     }
 
-    /// The most that a position within a box moves.
+    /// The largest distance by which a position within a box moves.
     pub fn worst(&self, bounds: &Box3) -> f64 {
         match self.lattice {
             Some(lattice) => lattice.worst(),
@@ -38,7 +38,7 @@ impl RoundingTarget {
         }
     }
 
-    /// The same, but sheets that only rounding would tie together stay apart, unless on a lattice.
+    /// As [`Self::snap`], but sheets that only rounding would tie together stay apart, unless on a lattice.
     pub fn snap_apart(&self, mesh: &Mesh) -> Result<SnappedMesh, CoordinateOverflow> {
         self.lattice.map_or_else(|| snap_apart(mesh, self.format), |lattice| Ok(lattice.snap(mesh)))
     }
@@ -49,28 +49,28 @@ impl RoundingTarget {
     }
 }
 
-/// The share of a budget that a lattice may take; where it would take more, positions stay in single precision.
-/// Derived: it costs a third more triangles at most, since their number goes with the inverse of the length, and
-/// what a vertex and its triangles take is about a third less.
+/// The share of a budget that a lattice may take; if it takes more, positions stay in single precision. Derived: that costs
+/// at most a third more triangles, since their number is proportional to the inverse of the length, and a vertex with its
+/// triangles takes about a third less memory.
 const MOST_SHARE: f64 = 0.25;
 
-/// The share of its diagonal by which a result may leave the box of its part. Chosen: lattices reach farther than
-/// most coarse levels, and seldom need a step twice as large for it.
+/// The share of its diagonal by which a result may leave the box of its part. Chosen: lattices reach farther than most
+/// coarse levels, and rarely need a step twice as large for it.
 const ROOM: f64 = 1.0 / 64.0;
 
-/// The lattice for what lies in a box, or little outside, and may be off by a length.
+/// The lattice for positions in a box, or little outside, that may move by a length.
 pub(crate) fn lattice_within(bounds: &Box3, allowed: f64) -> Option<PositionLattice> {
     let room = lesser(ROOM * bounds.diagonal(), allowed);
     PositionLattice::for_box(bounds, room).filter(|lattice| lattice.worst() <= MOST_SHARE * allowed)
 }
 
-/// The length of which a lattice may take its share. None where texture coordinates have to keep 32 bits: the steps of
-/// a lattice move the texture that spans a part by as much as 16 bits of its coordinates do.
+/// The length of which a lattice may take its share; 0 if texture coordinates have to keep 32 bits: the steps of a lattice
+/// shift a texture that spans a part by as much as texture coordinates of 16 bits do.
 pub(crate) fn length_for_lattice(allowed: f64, limits: &AttributeLimits) -> f64 {
     if storage_within(None, limits).has_short_texcoords { allowed } else { 0.0 }
 }
 
-/// What each part of a scene is rounded to, where a point of it may be off by such a length in the scene.
+/// The rounding of each part of a scene, if a point of it may move by the allowed length in the scene.
 pub(crate) fn targets(
     scene: &Scene,
     stretch: &[f64],
@@ -86,7 +86,7 @@ pub(crate) fn targets(
     scene.parts.iter().zip(stretch).enumerate().map(target).collect()
 }
 
-/// The most that rounding moves a point of a scene, given the stretch of each part.
+/// The largest distance by which rounding moves a point of a scene, given the stretch of each part.
 pub(crate) fn worst_rounding(scene: &Scene, stretch: &[f64], targets: &[RoundingTarget]) -> f64 {
     scene.parts.iter().zip(stretch).zip(targets).fold(0.0, |most, ((part, stretch), target)| {
         let lost = scaled_up(target.worst(&part.mesh.bounds()), *stretch);
@@ -94,8 +94,8 @@ pub(crate) fn worst_rounding(scene: &Scene, stretch: &[f64], targets: &[Rounding
     })
 }
 
-/// How a part is stored whose positions are on a lattice, and whose attributes have limits. Each takes at most
-/// [`MOST_SHARE`] of its limit, or stays in more bits.
+/// The storage of a part with positions on a lattice and limits on attributes. Each attribute takes at most [`MOST_SHARE`]
+/// of its limit, or keeps more bits.
 pub(crate) fn storage_within(lattice: Option<PositionLattice>, limits: &AttributeLimits) -> VertexStorage {
     let fits = |worst: f64, limit: Option<f64>| limit.is_none_or(|limit| worst <= MOST_SHARE * limit);
     let fewest = [DirectionBits::Eight, DirectionBits::Sixteen];
@@ -107,19 +107,19 @@ pub(crate) fn storage_within(lattice: Option<PositionLattice>, limits: &Attribut
     }
 }
 
-/// What such a storage leaves of limits on attributes.
+/// The limits on attributes that such a storage leaves.
 pub(crate) fn limits_left(limits: AttributeLimits, storage: &VertexStorage) -> AttributeLimits {
     let texcoord = if storage.has_short_texcoords { VertexStorage::WORST_TEXCOORD } else { 0.0 };
-    let left = |limit: Option<f64>, lost: f64| limit.map(|limit| limit - lost);
-    let left = AttributeLimits::new(
-        left(limits.texcoord(), texcoord),
-        left(limits.normal_deg(), storage.directions.worst_deg()),
+    let remaining = |limit: Option<f64>, lost: f64| limit.map(|limit| limit - lost);
+    let remaining = AttributeLimits::new(
+        remaining(limits.texcoord(), texcoord),
+        remaining(limits.normal_deg(), storage.directions.worst_deg()),
     );
-    // No more than a quarter of each was taken.
-    left.unwrap_or(limits)
+    // At most a quarter of each limit was taken.
+    remaining.unwrap_or(limits)
 }
 
-/// What is said of parts whose positions stay in single precision although fewer bits were asked for.
+/// Notes on parts whose positions stay in single precision although fewer bits were requested.
 pub(crate) fn single_precision_note(parts: &[Part]) -> Vec<Message> {
     let shown = || parts.iter().filter(|part| !part.mesh.faces().is_empty());
     let is_single = |part: &&Part| part.storage.as_ref().is_some_and(|storage| storage.lattice.is_none());

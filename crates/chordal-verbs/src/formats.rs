@@ -1,4 +1,4 @@
-//! What the verbs need to know of file formats.
+//! Lists of the file formats for the verbs and their messages.
 use crate::Shape;
 use chordal::budget::advice::{Message, Setting};
 use chordal_io::Format;
@@ -9,8 +9,8 @@ pub fn mesh_names() -> String {
     names_where(Format::holds_triangles).join(", ")
 }
 
-/// The names of the formats of which something is so, in the order of the table. What a sentence says of formats
-/// comes from here, so that it stays true as formats are added.
+/// The names of the formats with a property, in the order of the table. Sentences take their lists of formats from here, so
+/// that they stay true when formats are added.
 #[must_use]
 pub fn names_where(is_so: impl Fn(Format) -> bool) -> Vec<String> {
     Format::all().filter(|format| is_so(*format)).map(|format| format.to_string()).collect()
@@ -32,7 +32,7 @@ pub fn in_words(names: &[String], word: &str) -> String {
     }
 }
 
-/// The same for extensions with their dots, as in ".json or .svg".
+/// A list of the extensions of formats with a property, with their dots, as in ".json or .svg".
 #[must_use]
 pub fn extensions_where(is_so: impl Fn(Format) -> bool, word: &str) -> String {
     let dotted: Vec<String> = names_where(is_so).iter().map(|name| format!(".{name}")).collect();
@@ -52,7 +52,7 @@ pub fn writable_names() -> String {
         .join(", ")
 }
 
-/// The names of all formats: each is read.
+/// The names of all formats: every format can be read.
 #[must_use]
 pub fn readable_names() -> String {
     names_where(|_| true).join(", ")
@@ -91,7 +91,7 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
     }
 }
 
-/// The refusal of a shape that is not triangles, in a sentence with an alternative. `done` is the operation.
+/// The message for a shape that is not triangles, with an alternative. `done` is the operation, as a participle.
 pub(crate) fn only_triangles(done: &str, kind: &str) -> Message {
     let message =
         Message::from(format!("only triangles can be {done}, and these are {kind}: mesh them first"));

@@ -1,18 +1,18 @@
-//! The nodes by which a glTF maps the frame of what it holds to its own: y up, in metres.
+//! The nodes by which a glTF maps the frame of its content to its own: y up, in metres.
 use chordal_io::{Axis, Format, Frame, Scene};
 use std::borrow::Cow;
 
-/// From z up to y up, column by column, as the writer of glTF has it.
+/// From z up to y up, column by column, as the writer of glTF writes it.
 const Z_UP_TO_Y_UP: [f64; 16] =
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// A scene as it was before it was written to glTF from that frame: without the nodes that turn and scale all of it.
+/// A scene as it was before it was written to glTF from that frame: without the nodes that rotate and scale all of it.
 /// Nothing is computed, so that nothing is rounded. A file without such nodes stays as it is.
 pub(crate) fn without_frame_nodes<'a>(scene: &'a Scene, format: Format, frame: &Frame) -> Cow<'a, Scene> {
     if format == Format::ThreeMf && frame.up == Some(Axis::Y) && scene.frame.up == Some(Axis::Z) {
         return Cow::Owned(turned_back(scene, frame));
     }
-    if !matches!(format, Format::Glb | Format::Gltf) {
+    if !format.is_gltf() {
         return Cow::Borrowed(scene);
     }
     let unit = frame.metres_per_unit.filter(|unit| *unit != 1.0);
@@ -39,21 +39,21 @@ pub(crate) fn without_frame_nodes<'a>(scene: &'a Scene, format: Format, frame: &
     Cow::Owned(Scene { roots, frame: *frame, ..scene.clone() })
 }
 
-/// Whether a file of that format may be in a frame: it says the unit and the axis that is up itself, or by the nodes that
-/// [`without_frame_nodes`] leaves out, where it can.
+/// Whether a file of that format may be in a frame: by the unit and the up axis that it states, or by the nodes that
+/// [`without_frame_nodes`] removes, if the format has such nodes.
 pub(crate) fn may_be_in(scene: &Scene, format: Format, frame: &Frame) -> bool {
-    let (own, is_gltf) = (&scene.frame, matches!(format, Format::Glb | Format::Gltf));
+    let (scene_frame, is_gltf) = (&scene.frame, format.is_gltf());
     if is_gltf {
         let is_other = frame.up == Some(Axis::Z) || frame.metres_per_unit.is_some_and(|unit| unit != 1.0);
         return !is_other || matches!(without_frame_nodes(scene, format, frame), Cow::Owned(_));
     }
     let differs = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| a != b);
     let is_turned = format == Format::ThreeMf && frame.up == Some(Axis::Y);
-    !differs(own.metres_per_unit, frame.metres_per_unit)
-        && (is_turned || own.up.zip(frame.up).is_none_or(|(a, b)| a == b))
+    !differs(scene_frame.metres_per_unit, frame.metres_per_unit)
+        && (is_turned || scene_frame.up.zip(frame.up).is_none_or(|(a, b)| a == b))
 }
 
-/// A scene from a 3MF, whose z is up, as it was before its writer turned it: (x, y, z) was written as (x, −z, y).
+/// A scene from a 3MF, whose z is up, as it was before its writer rotated it: (x, y, z) was written as (x, −z, y).
 fn turned_back(scene: &Scene, frame: &Frame) -> Scene {
     let mut turned = Scene { frame: *frame, ..scene.clone() };
     for root in &scene.roots {

@@ -1,4 +1,4 @@
-//! The digest of a geometry: which file a certificate speaks of, whatever else is in that file.
+//! The digest of a geometry: it ties a certificate to a file, whatever else is in the file.
 use crate::Shape;
 use crate::digest::Sha256Stream;
 use crate::frame_nodes::without_frame_nodes;
@@ -9,16 +9,16 @@ use chordal_io::{
     Format, Frame, Limits, Polygons, Polylines, Scene, Volume, WriteError, read, write, write_polygons,
 };
 
-/// The SHA-256 of the geometry of a shape as a reader of its file gets it; `None` for patches, fields and curves
-/// that bend, which no verb writes.
+/// The SHA-256 of the geometry of a shape as a reader of its file gets it; `None` for patches, fields and bent curves, which
+/// no verb writes.
 ///
-/// Triangles: the world coordinates of the corners of all faces in their order, each face from its least corner on,
-/// so that how vertices are shared or ordered does not matter and winding does. Samples: the lattice and every
-/// value. Polylines: the points. Polygons: the corners of each, and the sharpness of creases and corners. Zeros have
-/// no sign. Attributes, names and materials are no part of it.
+/// Triangles: the world coordinates of the corners of all faces in their order, each face from its least corner on. So
+/// winding matters, but not how vertices are shared or ordered. Samples: the lattice and every value. Polylines: the points.
+/// Polygons: the corners of each, and the sharpness of creases and corners. Zeros have no sign. Attributes, names and
+/// materials are not included.
 ///
 /// # Errors
-/// When the nodes of a scene are no tree, or take coordinates out of range.
+/// If the nodes of a scene are not a tree, or take coordinates out of range.
 ///
 /// ```
 /// use chordal_verbs::{FormatHint, geometry_digest, load};
@@ -41,7 +41,7 @@ pub fn geometry_digest(shape: &Shape) -> Result<Option<String>, WriteError> {
     }
 }
 
-/// The digest of a shape in the frame that its certificate states: glTF turns and scales what it holds.
+/// The digest of a shape in the frame that its certificate states: glTF rotates and scales its content.
 pub(crate) fn digest_in_frame(
     shape: &Shape,
     format: Format,
@@ -53,8 +53,8 @@ pub(crate) fn digest_in_frame(
     }
 }
 
-/// The digest of a scene that is about to be written. Where its file will not hold the same faces in the same order
-/// with the same coordinates, it is written and read; `None` where that cannot be done without files beside it.
+/// The digest of a scene that is about to be written. If its file will not hold the same faces in the same order with the
+/// same coordinates, it is written to memory and read; `None` if that takes other files.
 pub(crate) fn written_digest(scene: &Scene, to: Format) -> Option<String> {
     if is_kept_as_it_is(scene, to) {
         return scene_digest(scene).ok();
@@ -64,20 +64,20 @@ pub(crate) fn written_digest(scene: &Scene, to: Format) -> Option<String> {
     read_digest(&bytes, to, &scene.frame)
 }
 
-/// The same of polygons, which many readers cut into triangles.
+/// The same for polygons, which many readers cut into triangles.
 pub(crate) fn written_polygons_digest(polygons: &Polygons, to: Format) -> Option<String> {
     let mut bytes = Vec::new();
     write_polygons(polygons, None, to, &mut bytes).ok()?;
     read_digest(&bytes, to, &polygons.frame)
 }
 
-/// The digest of what a reader finds in a file.
+/// The digest of the content of a file.
 fn read_digest(bytes: &[u8], to: Format, frame: &Frame) -> Option<String> {
     let content = read(bytes, to, &Limits::default()).ok()?.content;
     digest_in_frame(&content.into(), to, frame).ok().flatten()
 }
 
-/// Whether readers get the faces of a scene in their order with the same coordinates: nothing is placed, stored in
+/// Whether readers get the faces of a scene in the same order with the same coordinates: no face is transformed, stored in
 /// fewer bits, or grouped.
 fn is_kept_as_it_is(scene: &Scene, to: Format) -> bool {
     let is_plain = |part: &chordal_io::Part| {
@@ -86,7 +86,7 @@ fn is_kept_as_it_is(scene: &Scene, to: Format) -> bool {
         part.storage.is_none() && !part.is_deformed() && !part.mesh.attributes().iter().any(is_grouped)
     };
     let unplaced = crate::placements::is_untransformed(scene);
-    // One instance each and no draco or meshopt: these put faces in an order of their own.
+    // Without draco, meshopt and instancing: these put faces in an order of their own.
     let plain = scene.packing == chordal_io::glb::GltfPacking::default() || !to.has_nodes();
     unplaced && plain && scene.parts.iter().all(is_plain)
 }
@@ -113,7 +113,7 @@ pub(crate) fn volume_digest(volume: &Volume) -> String {
     samples_digest(&volume.grid)
 }
 
-/// The same of samples alone.
+/// The same for samples of any storage.
 pub(crate) fn samples_digest<G: SampleGrid>(grid: &G) -> String {
     let mut digest = Sha256Stream::new("volume");
     digest.add(&grid.size().map(|n| n as u64));
@@ -134,17 +134,17 @@ pub(crate) fn samples_digest<G: SampleGrid>(grid: &G) -> String {
 pub(crate) fn polylines_digest(polylines: &Polylines) -> String {
     let mut digest = Sha256Stream::new("polylines");
     match polylines {
-        Polylines::Plane(all) => {
-            all.lines.iter().for_each(|line| add_line(&mut digest, &line.points, line.closed));
+        Polylines::Plane(polylines) => {
+            polylines.lines.iter().for_each(|line| add_line(&mut digest, &line.points, line.closed));
         }
-        Polylines::Space(all) => {
-            all.lines.iter().for_each(|line| add_line(&mut digest, &line.points, line.closed));
+        Polylines::Space(polylines) => {
+            polylines.lines.iter().for_each(|line| add_line(&mut digest, &line.points, line.closed));
         }
     }
     digest.finish()
 }
 
-/// The same of curves that are all straight, as they read back.
+/// The same for curves that are all straight, as they read back.
 fn straight_digest<const D: usize>(curves: &[Curve<D>]) -> Option<String> {
     let mut digest = Sha256Stream::new("polylines");
     for curve in curves {
@@ -181,7 +181,7 @@ pub(crate) fn cage_digest(cage: &Cage) -> String {
     digest.finish()
 }
 
-/// The bits of a number; both zeros are one.
+/// The bits of a number; equal for both zeros.
 fn bits(x: f64) -> u64 {
     if x == 0.0 { 0 } else { x.to_bits() }
 }

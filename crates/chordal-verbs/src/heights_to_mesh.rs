@@ -5,22 +5,22 @@ use chordal::explicit::InvalidMesh;
 /// A solid below heights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HeightSolid {
-    /// How wide it is along x and along y; its middle is on the z axis.
+    /// The widths along x and along y; the middle is on the z axis.
     pub size: [f64; 2],
-    /// How far a height of 1 is above one of 0.
+    /// The distance between heights of 0 and 1.
     pub height: f64,
-    /// How far a height of 0 is above the floor, which is at z = 0. Above 0, so that walls have two ends.
+    /// The distance of a height of 0 from the floor, which is at z = 0. Above 0, so that walls have two ends.
     pub base: f64,
 }
 
-/// The solid below heights, `n[0]` by `n[1]` of them, at least two each way, row by row along x; the first row has the
-/// lowest y. Four neighbours are two triangles, cut from the lowest x and y to the highest.
+/// The solid below `n[0]` by `n[1]` heights, at least two each way, row by row along x; the first row has the lowest y. The
+/// cell of four neighbours is two triangles, cut from the lowest x and y to the highest.
 ///
 /// # Errors
-/// When a coordinate is not finite, or there are more vertices than a mesh has.
+/// If a coordinate is not finite, or there are more vertices than a mesh may have.
 pub(crate) fn heights_to_mesh(heights: &[f64], n: [u32; 2], solid: HeightSolid) -> Result<Mesh, InvalidMesh> {
     let HeightSolid { size, height, base } = solid;
-    // The two ends are each other's mirror images to the last bit.
+    // The formula makes the two ends mirror images of each other to the last bit.
     let along = |axis: usize, k: u32| size[axis] * (f64::from(k) / f64::from(n[axis] - 1) - 0.5);
     let id = |i: u32, j: u32| j * n[0] + i;
     let lattice = (0..n[1]).flat_map(|j| (0..n[0]).map(move |i| (i, j)));
@@ -34,7 +34,7 @@ pub(crate) fn heights_to_mesh(heights: &[f64], n: [u32; 2], solid: HeightSolid) 
             faces.extend([[a, b, c], [a, c, d]]);
         }
     }
-    // The border, counter-clockwise as seen from above: each side without its end, which is the next one's start.
+    // The border, counter-clockwise as seen from above: each side without its end, which is the start of the next side.
     let (right, back) = (n[0] - 1, n[1] - 1);
     let sides = [
         (0..right).map(|i| id(i, 0)).collect::<Vec<u32>>(),
@@ -54,7 +54,7 @@ pub(crate) fn heights_to_mesh(heights: &[f64], n: [u32; 2], solid: HeightSolid) 
         let next = (k + 1) % border.len();
         let (next_top, below, next_below) = (border[next], first + k as u32, first + next as u32);
         faces.extend([[below, next_below, next_top], [below, next_top, *top]]);
-        // The floor is a fan around its middle, so that it has every corner of the walls.
+        // The floor is a fan around its middle, so that it uses every lower corner of the walls.
         faces.push([centre, next_below, below]);
     }
     Mesh::new(positions, faces)

@@ -1,4 +1,4 @@
-//! Why triangles stay that a budget seems to let go, in sentences for whoever waits for fewer.
+//! Notes on why triangles are left that the budget seems to allow to remove.
 use crate::placements;
 use chordal::budget::Budget;
 use chordal::budget::advice::{Cure, Message, Setting};
@@ -8,37 +8,38 @@ use chordal::explicit::Topology;
 use chordal::lod::ReductionStats;
 use chordal_io::{Part, Scene};
 
-/// If at least one triangle of so many is left, it is asked how many would be without limits on attributes, which takes some
-/// of the time again. Chosen: who has fewer left did not ask in vain.
+/// If at least one triangle of so many is left, the part is simplified once more without limits on attributes, to count the
+/// effect of these. Chosen: with fewer left, the limits hardly matter.
 const MANY_LEFT: usize = 8;
-/// It is said if at least one of so many of those that are left stays for its attributes alone. Chosen: a tenth is seen.
+/// The note is given if at least one of so many of the triangles left stays only for its attributes. Chosen: a tenth is
+/// noticed.
 const WORTH_SAYING: u64 = 10;
 /// The most pieces that are named. Chosen: one line.
 const MOST_NAMED: usize = 5;
 
-/// How many triangles stay for their attributes alone.
+/// The number of triangles that stay only because of limits on attributes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HeldFaces {
     before: u64,
     after: u64,
-    /// Those that are left without limits on attributes.
+    /// The triangles that would be left without limits on attributes.
     free: u64,
 }
 
 impl HeldFaces {
-    /// Whether it is worth to ask how many triangles would be left without limits on attributes.
+    /// Whether it is worth the time to count the triangles that would be left without limits on attributes.
     pub fn is_worth_asking(budget: &Budget, [before, after]: [usize; 2]) -> bool {
         budget.attributes.is_set() && after.saturating_mul(MANY_LEFT) >= before
     }
 
-    /// Counts a part: what it had, what it has, and what it would have without those limits.
+    /// Adds the triangles of a part: before, after, and after without those limits.
     pub fn add(&mut self, [before, after, free]: [usize; 3]) {
         self.before += before as u64;
         self.after += after as u64;
         self.free += free.min(after) as u64;
     }
 
-    /// The sentence, where there is anything to say.
+    /// The note, if enough triangles are held.
     pub fn note(&self, limits: &AttributeLimits) -> Option<Message> {
         let held = self.after - self.free;
         if held == 0 || held.saturating_mul(WORTH_SAYING) < self.after {
@@ -49,8 +50,8 @@ impl HeldFaces {
         off.extend(limits.normal_deg().map(|most| format!("normals by more than {most}°")));
         let share = 100 * held / self.before;
         let message = Message::from(format!(
-            "{held} of {} triangles ({share} %) stay only because less would put {} off, and {} would be left otherwise; a \
-             larger ",
+            "{held} of {} triangles ({share} %) stay only because fewer would change {}, and {} would be left \
+             otherwise; a larger ",
             self.before,
             off.join(" or "),
             self.free
@@ -66,7 +67,7 @@ impl HeldFaces {
     }
 }
 
-/// Triangles that no budget lets go, because the surface branches, touches or repeats itself there.
+/// Triangles that no budget removes, because the surface branches, touches or repeats itself there.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FrozenFaces {
     before: u64,
@@ -75,34 +76,34 @@ pub(crate) struct FrozenFaces {
     branches: u64,
     /// Vertices with several fans.
     fans: u64,
-    /// Edges of two triangles that are wound against each other.
+    /// Edges of two triangles with opposite winding.
     opposed: u64,
-    /// Triangles that lie on another one.
+    /// Triangles with the same corners as another one.
     repeated: u64,
 }
 
 impl FrozenFaces {
-    /// Counts them in a scene that was simplified, where much is left: `None` where they are few. Time O(n log n) then.
+    /// Counts such triangles in a simplified scene if many are left: `None` if they are few. Time O(n log n) then.
     pub fn find(scene: &Scene, stats: &ReductionStats, [before, after]: [usize; 2]) -> Option<Self> {
         let [before, after] = [before, after].map(|n| n as u64);
         let is_worth_saying = |n: u64| after > 0 && n.saturating_mul(WORTH_SAYING) >= after;
-        // Each fan has a triangle at least, and each triangle is in three.
+        // Each fan has at least one triangle, and each triangle is in three fans.
         let is_locked = is_worth_saying(stats.locked_vertices / 3);
         if after.saturating_mul(MANY_LEFT as u64) < before || !(is_locked || after == before) {
             return None;
         }
-        let mut found = Self { before, after, ..Self::default() };
+        let mut frozen = Self { before, after, ..Self::default() };
         for part in &scene.parts {
             let valid = validity(&part.mesh, topology_of(part));
-            found.branches += valid.non_manifold_edges.count;
-            found.fans += valid.non_manifold_vertices.count;
-            found.opposed += valid.inconsistent_edges.count;
-            found.repeated += valid.duplicate_faces.count;
+            frozen.branches += valid.non_manifold_edges.count;
+            frozen.fans += valid.non_manifold_vertices.count;
+            frozen.opposed += valid.inconsistent_edges.count;
+            frozen.repeated += valid.duplicate_faces.count;
         }
-        (is_locked || is_worth_saying(found.repeated)).then_some(found)
+        (is_locked || is_worth_saying(frozen.repeated)).then_some(frozen)
     }
 
-    /// Whether these alone are more than a budget counts.
+    /// Whether the locked triangles alone are more than the count of the budget.
     pub fn are_more_than(&self, budget: &Budget, stats: &ReductionStats) -> bool {
         budget.triangles.is_some_and(|most| stats.locked_vertices / 3 > most)
     }
@@ -122,7 +123,7 @@ impl FrozenFaces {
             text += &format!("where {} they stay as they are; ", places.join(" or "));
         }
         if *repeated > 0 {
-            text += &format!("{repeated} of them lie on another one, as the backs of a sheet do: ");
+            text += &format!("{repeated} of them lie on another one, like the back side of a sheet: ");
             return Message::from(text).setting(Setting::Cure(Cure::DropDuplicates)).words(
                 " of mend leaves one of each, whose material then has to show both sides, and lets more go",
             );
@@ -136,12 +137,12 @@ impl FrozenFaces {
     }
 }
 
-/// How the positions of a part are tied.
+/// The way in which the positions of a part are tied.
 fn topology_of(part: &Part) -> Topology {
     if part.indexed { Topology::Indices } else { Topology::Positions }
 }
 
-/// What is said where more triangles are left than the budget counts: the pieces that have them.
+/// A note if more triangles are left than the budget allows: the pieces with most of them.
 pub(crate) fn pieces_note(scene: &Scene, budget: &Budget) -> Option<Message> {
     let most = budget.triangles?;
     let n_left = placements::n_placed_faces(scene);
@@ -149,7 +150,7 @@ pub(crate) fn pieces_note(scene: &Scene, budget: &Budget) -> Option<Message> {
         return None;
     }
     let mut pieces = pieces_of(scene);
-    // Those of one size stay in their order.
+    // A stable sort: pieces of equal size stay in their order.
     pieces.sort_by_key(|(_, faces)| std::cmp::Reverse(*faces));
     let named: Vec<String> =
         pieces.iter().take(MOST_NAMED).map(|(name, faces)| format!("{name} ({faces})")).collect();
@@ -162,8 +163,8 @@ pub(crate) fn pieces_note(scene: &Scene, budget: &Budget) -> Option<Message> {
         ("no more can go within the length", "a larger length lets more go")
     } else {
         (
-            "a count alone takes away no separate piece and no handle, so that each keeps some triangles",
-            "a length beside the count takes away pieces that it covers",
+            "a count alone removes no separate piece and no handle, so that each keeps some triangles",
+            "a length in addition to the count removes pieces that it covers",
         )
     };
     let named = named.join(", ");
@@ -180,9 +181,9 @@ fn pieces_of(scene: &Scene) -> Vec<(String, u64)> {
     for (number, part) in scene.parts.iter().enumerate() {
         let Part { name, mesh, .. } = part;
         let owner = if name.is_empty() { format!("part {number}") } else { format!("'{name}'") };
-        let found = components(mesh, topology_of(part));
-        let is_whole = found.len() == 1;
-        for (piece, component) in found.iter().enumerate() {
+        let connected = components(mesh, topology_of(part));
+        let is_whole = connected.len() == 1;
+        for (piece, component) in connected.iter().enumerate() {
             let title = match (is_alone, is_whole) {
                 (true, _) => format!("piece {piece}"),
                 (false, true) => owner.clone(),
@@ -207,7 +208,7 @@ mod tests {
         held.add([100, 60, 80]);
         let note = held.note(&limits).expect("half of them stay");
         assert!(note.starts_with("80 of 200 triangles (40 %) stay only"), "{note}");
-        assert!(note.contains("texture coordinates by more than 0.01 off, and 80 would be left"), "{note}");
+        assert!(note.contains("texture coordinates by more than 0.01, and 80 would be left"), "{note}");
         let mut few = HeldFaces::default();
         few.add([100, 100, 99]);
         assert!(few.note(&limits).is_none());

@@ -10,35 +10,35 @@ use std::collections::BTreeMap;
 pub struct ImplicitShape {
     /// The field.
     pub field: Field,
-    /// The box that clips the shape, where the user gave one.
+    /// The box that clips the shape, if the user gave one.
     pub region: Option<Box3>,
     /// The frame of its coordinates.
     pub frame: Frame,
     /// The parameters of its script, if it has one.
     pub parameters: Vec<Parameter>,
-    /// The shapes that it is the union of, where a script gives several; each becomes a part of its own.
+    /// The shapes of which it is the union, if a script returns several; each becomes a part of its own.
     pub bodies: Vec<ShapeBody>,
-    /// What the calls of its script made, in the order of their evaluation, for sentences about places of it.
+    /// The shapes that the calls of its script returned, in the order of evaluation, for messages about places of the shape.
     pub lines: Vec<ShapeLine>,
 }
 
-/// What a line of a script made.
+/// A shape that a line of a script returned.
 #[derive(Clone, Debug)]
 pub struct ShapeLine {
     /// The number of the line, from 1.
     pub line: u64,
-    /// A part of the shape, or the whole, as it stood then.
+    /// A part of the shape, or all of it, at that time.
     pub field: Field,
 }
 
-/// The last shape that the calls of a script's line made; operators between shapes make none of their own.
+/// The last shape that the calls of a script's line returned; operators between shapes are not counted as calls.
 #[derive(Clone, Debug)]
 pub struct LineShape {
     /// The number of the line, from 1.
     pub line: u64,
-    /// How often it ran.
+    /// How often the line ran.
     pub times: usize,
-    /// That shape, of the last time.
+    /// The shape that it returned the last time.
     pub field: Field,
 }
 
@@ -63,13 +63,13 @@ pub struct Parameter {
 }
 
 impl ImplicitShape {
-    /// A single shape that no script made.
+    /// A single shape without a script.
     #[must_use]
     pub fn new(field: Field, region: Option<Box3>, frame: Frame) -> Self {
         Self { field, region, frame, parameters: Vec::new(), bodies: Vec::new(), lines: Vec::new() }
     }
 
-    /// The last shape that the calls of each line of its script made, in the order of the lines.
+    /// The last shape that the calls of each line of its script returned, in the order of the lines.
     ///
     /// ```
     /// use chordal_verbs::{FormatHint, Shape, load};
@@ -92,33 +92,32 @@ impl ImplicitShape {
         by_line.into_values().collect()
     }
 
-    /// One of its bodies, in the same region and frame.
+    /// One of its bodies by itself, in the same region and frame.
     #[must_use]
     pub fn of_body(&self, body: &ShapeBody) -> Self {
         Self { field: body.field.clone(), parameters: Vec::new(), bodies: Vec::new(), ..self.clone() }
     }
 
-    /// A bounding box of the shape: the known extent of the field, clipped to the region. Infinite where
-    /// neither gives one.
+    /// A bounding box of the shape: the known extent of the field, clipped to the region. Infinite if both are.
     #[must_use]
     pub fn bounds(&self) -> Box3 {
-        let known = self.field.bounds();
-        let Some(region) = self.region else { return known };
+        let extent = self.field.bounds();
+        let Some(region) = self.region else { return extent };
         let pick = |a: [f64; 3], b: [f64; 3], first: fn(f64, f64) -> bool| {
             std::array::from_fn(|k| if first(a[k], b[k]) { a[k] } else { b[k] })
         };
         Box3 {
-            min: pick(known.min, region.min, |a, b| a > b),
-            max: pick(known.max, region.max, |a, b| a < b),
+            min: pick(extent.min, region.min, |a, b| a > b),
+            max: pick(extent.max, region.max, |a, b| a < b),
         }
     }
 
-    /// The field clipped to the region and closed by its sides; a plane shape stays one.
+    /// The field clipped to the region and closed by its sides; a plane shape stays a plane shape.
     #[must_use]
     pub fn clip_to_region(&self) -> Field {
         let Some(region) = self.region else { return self.field.clone() };
-        let flat = !self.field.tape().axes()[2];
-        if flat { self.field.cropped(region) } else { self.field.clipped(region) }
+        let is_flat = !self.field.tape().axes()[2];
+        if is_flat { self.field.cropped(region) } else { self.field.clipped(region) }
     }
 
     /// As [`Self::clip_to_region`], but as a solid: a plane shape is extruded over the height of the region.

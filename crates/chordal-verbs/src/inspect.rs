@@ -1,4 +1,4 @@
-//! `inspect`: what a file holds and whether it is valid.
+//! `inspect`: the content of a file, and its validity.
 use crate::isosurface::surface_of;
 use crate::recommend::recommend_repairs;
 use crate::report::{
@@ -12,9 +12,9 @@ use chordal_io::Format;
 
 /// Describes the input, with its full validity check and the certificate embedded in it, if any.
 ///
-/// Linear in the size of the input: about 0.2 s per million triangles. Where repairs are needed, they are
-/// tried on a copy, so that the recommended ones help. This takes as long again as each of them, and up to
-/// three copies of the input.
+/// Linear in the size of the input: about 0.2 s per million triangles. If repairs are needed, they are tried on a copy, so
+/// that only repairs that help are recommended. Each trial takes as long as the check itself, and all take up to three
+/// copies of the input.
 ///
 /// ```
 /// use chordal_verbs::{FormatHint, inspect, load};
@@ -32,17 +32,16 @@ pub fn inspect(input: &Input) -> Report {
     inspect_to_depth(input, CheckDepth::Full).unwrap_or_else(|_| report(input, None))
 }
 
-/// As [`inspect`], with self-intersections, which take about 1 µs a triangle where there are few.
+/// As [`inspect`], with self-intersections, which take about 1 µs a triangle if there are few.
 ///
 /// # Errors
-/// When the job is cancelled, or its memory is not enough.
+/// If the job is cancelled, or its memory is not enough.
 pub fn inspect_deeply(input: &Input, job: &Job) -> Result<Report, JobError> {
     inspect_to_depth(input, CheckDepth::Deep(job))
 }
 
-/// As [`inspect`] of a volume, with what holds of the surface that its [`crate::SurfaceSpec`] chooses, at the
-/// resolution of the lattice, and the bound of that. Self-intersections are looked for where `depth` is
-/// [`SurfaceDepth::Deep`].
+/// As [`inspect`] of a volume, with the validity of the surface that its [`crate::SurfaceSpec`] chooses, at the resolution
+/// of the lattice, and its bound. Self-intersections are searched for if `depth` is [`SurfaceDepth::Deep`].
 ///
 /// # Errors
 /// As for [`crate::mesh`] of a volume, and as for [`inspect_deeply`].
@@ -64,9 +63,9 @@ pub fn inspect_surface(input: &Input, depth: SurfaceDepth, job: &Job) -> Result<
     };
     let mut notes = Vec::new();
     let (scene, bound) = surface_of(sampled, Budget::default(), &mut notes, job)?;
-    let look = if depth == SurfaceDepth::Deep { CheckDepth::Deep(job) } else { CheckDepth::Full };
-    // The format has no say: the surface is in no file.
-    let counted = match CountedTriangles::thorough(&scene, Format::Ply, look) {
+    let check_depth = if depth == SurfaceDepth::Deep { CheckDepth::Deep(job) } else { CheckDepth::Full };
+    // The format does not matter: the surface is in no file.
+    let counted = match CountedTriangles::thorough(&scene, Format::Ply, check_depth) {
         Ok(counted) => Some(counted),
         Err(CountError::Unwritten) => None,
         Err(CountError::Stopped(stopped)) => return Err(stopped.into()),
@@ -77,25 +76,25 @@ pub fn inspect_surface(input: &Input, depth: SurfaceDepth, job: &Job) -> Result<
     Ok(report)
 }
 
-/// How much of the surface of a volume is looked at.
+/// The depth of the check of a volume's surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceDepth {
-    /// All but self-intersections.
+    /// Everything except self-intersections.
     Counts,
-    /// These too.
+    /// Self-intersections, too.
     Deep,
 }
 
-fn inspect_to_depth(input: &Input, look: CheckDepth) -> Result<Report, JobError> {
+fn inspect_to_depth(input: &Input, depth: CheckDepth) -> Result<Report, JobError> {
     let Shape::Scene(scene) = &input.shape else { return Ok(report(input, None)) };
-    match CountedTriangles::thorough(scene, input.format, look) {
+    match CountedTriangles::thorough(scene, input.format, depth) {
         Ok(mut counted) => {
-            let usual = Job::default();
-            let job = if let CheckDepth::Deep(job) = look { job } else { &usual };
+            let default_job = Job::default();
+            let job = if let CheckDepth::Deep(job) = depth { job } else { &default_job };
             counted.valid.prescribe(|| recommend_repairs(scene, input.format, job));
             Ok(report(input, Some(counted)))
         }
-        // Merging the rows of a mesh leaves fewer of them, so that it cannot fail.
+        // Merging the rows of a mesh only reduces their number, so that it cannot fail.
         Err(CountError::Unwritten) => Ok(report(input, None)),
         Err(CountError::Stopped(stopped)) => Err(stopped),
     }
@@ -114,7 +113,7 @@ fn report(input: &Input, counted: Option<CountedTriangles>) -> Report {
         certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&polygons.cage)));
     }
     let inspection = Inspection::from_input(input, &certificate);
-    if inspection.found.as_ref().is_some_and(|found| !found.differs.is_empty()) {
+    if inspection.found.as_ref().is_some_and(|embedded| !embedded.differs.is_empty()) {
         certificate.notes.push(DIFFERS.into());
     }
     let run = RunFacts { verb: "inspect", ..RunFacts::default() };
@@ -122,9 +121,9 @@ fn report(input: &Input, counted: Option<CountedTriangles>) -> Report {
 }
 
 const DIFFERS: &str =
-    "the certificate in the file speaks of other triangles or polylines than those in the file";
+    "the certificate in the file is for other triangles or polylines than those in the file";
 
-/// The polyline counts of a shape that is all polylines.
+/// The polyline counts of a shape that consists only of polylines.
 fn polylines_of(shape: &Shape) -> Option<PolylineFacts> {
     match shape {
         Shape::Drawing(drawing) => PolylineFacts::from_straight_curves(&drawing.lines),

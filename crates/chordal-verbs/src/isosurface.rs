@@ -15,10 +15,10 @@ use chordal::math::lesser;
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Format, Node, Scene};
 
-/// What a surface within a budget is made of.
+/// The triangles of a surface within a budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SurfaceForm {
-    /// The triangles of the cells: for what only looks at them, or simplifies them itself.
+    /// The triangles of the cells: for inspection, or for callers that simplify them.
     Cells,
     /// As few triangles as the budget allows.
     Simplified,
@@ -36,7 +36,7 @@ pub(crate) struct VolumeSurface {
 /// interpolant.
 ///
 /// # Errors
-/// When neither the request nor the samples determine a surface; when there is none; as for
+/// If neither the request nor the samples determine a surface; if there is none; as for
 /// [`convert::grid_to_mesh`].
 pub(crate) fn mesh_volume(
     sampled: &VolumeShape,
@@ -48,7 +48,7 @@ pub(crate) fn mesh_volume(
     let range = ValueRange::from_samples(grid.samples());
     if let Some(space) = &sampled.volume.space {
         notes.push(
-            format!("coordinates are those of the file, in its space {space}: nothing was turned").into(),
+            format!("coordinates are those of the file, in its space {space}: nothing was rotated").into(),
         );
     }
     if range.nan > 0 {
@@ -66,20 +66,20 @@ pub(crate) fn mesh_volume(
     let rule = polygonize_rule(sampled, &range, notes)?;
     note_border(grid, &rule, notes);
     let mesher = SurfaceMesher { sampled, request, job };
-    let (made, smoothed) = match sampled.surface.smooth {
+    let (surface, smoothed) = match sampled.surface.smooth {
         Some(width) => {
             let suggested = range.suggest(&sampled.volume);
-            let (made, facts) = mesher.make_smooth((&rule, suggested.as_ref()), (width, form), notes)?;
-            (made, Some(facts))
+            let (surface, facts) = mesher.make_smooth((&rule, suggested.as_ref()), (width, form), notes)?;
+            (surface, Some(facts))
         }
         None => (mesher.make(grid, (&rule, form), notes)?, None),
     };
-    let mut scene = Scene::from_mesh("surface", made.shape, sampled.volume.frame);
+    let mut scene = Scene::from_mesh("surface", surface.shape, sampled.volume.frame);
     set_names(&mut scene, &sampled.volume.name);
-    Ok(VolumeSurface { scene, bound: made.bound, smoothed })
+    Ok(VolumeSurface { scene, bound: surface.bound, smoothed })
 }
 
-/// The isosurface of a volume at the full precision of its numbers, for what looks at it and writes no file.
+/// The isosurface of a volume at the full precision of its numbers, for callers that write no file.
 ///
 /// # Errors
 /// As for [`mesh_volume`].
@@ -91,11 +91,11 @@ pub(crate) fn surface_of(
 ) -> Result<(Scene, Bound), MeshFailure> {
     // PLY rounds nothing.
     let request = MeshRequest::new(budget, Format::Ply, sampled.bounds()).widened();
-    let made = mesh_volume(sampled, (&request, SurfaceForm::Cells), notes, job)?;
-    Ok((made.scene, made.bound))
+    let surface = mesh_volume(sampled, (&request, SurfaceForm::Cells), notes, job)?;
+    Ok((surface.scene, surface.bound))
 }
 
-/// A part that has a name in the file has it in the mesh.
+/// Gives the name that a volume has in its file to the mesh.
 fn set_names(scene: &mut Scene, name: &str) {
     if !name.is_empty() {
         scene.parts.iter_mut().for_each(|part| part.name = name.to_owned());
@@ -103,7 +103,7 @@ fn set_names(scene: &mut Scene, name: &str) {
     }
 }
 
-/// Makes meshes under the conditions of a request.
+/// Builds meshes under the conditions of a request.
 struct SurfaceMesher<'a> {
     sampled: &'a VolumeShape,
     request: &'a MeshRequest,
@@ -127,17 +127,17 @@ impl SurfaceMesher<'_> {
         request.run(job, |budget| match form {
             SurfaceForm::Cells => convert::grid_to_mesh(grid, &rule, Some(budget), job),
             SurfaceForm::Simplified => {
-                let within = (budget, &request.bounds, request.effort);
-                let (made, note) = simplified_isosurface(grid, &rule, within, job)?;
+                let limits = (budget, &request.bounds, request.effort);
+                let (mesh, note) = simplified_isosurface(grid, &rule, limits, job)?;
                 notes.extend(note);
-                Ok(made)
+                Ok(mesh)
             }
         })
     }
 }
 
 impl SurfaceMesher<'_> {
-    /// The mesh of a smoothed mask at the precision of the format, and what smoothing cost.
+    /// The mesh of a smoothed mask at the precision of the format, and the error of smoothing.
     fn make_smooth(
         &self,
         (rule, suggested): (&Polygonize, Option<&SuggestedLevel>),
@@ -148,18 +148,18 @@ impl SurfaceMesher<'_> {
         let rule = Polygonize { margin: margin(&sampled.volume.grid, request.rounding()), ..*rule };
         let budget = request.reserve_rounding(request.rounding())?;
         let length = budget.length_in(&request.bounds).unwrap_or(0.0);
-        let (made, facts) = smoothed_surface(sampled, (&rule, suggested), (width, length), job)?;
+        let (mesh, facts) = smoothed_surface(sampled, (&rule, suggested), (width, length), job)?;
         notes.push(smoothing_note(width, &facts));
-        let made = match form {
+        let mesh = match form {
             SurfaceForm::Simplified if budget.has_limit() => {
-                let (made, note) = simplified(made, (&budget, length, request.effort), job)
+                let (mesh, note) = simplified(mesh, (&budget, length, request.effort), job)
                     .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
                 notes.extend(note);
-                made
+                mesh
             }
-            _ => made,
+            _ => mesh,
         };
-        Ok((request.snap(&made.shape, made.bound, job)?, facts))
+        Ok((request.snap(&mesh.shape, mesh.bound, job)?, facts))
     }
 }
 
@@ -172,8 +172,8 @@ fn margin(grid: &Grid, lost: f64) -> f64 {
     let squares = grid.affine().steps().map(|[x, y, z]| x * x + y * y + z * z);
     let shortest = squares.into_iter().fold(f64::INFINITY, |least, s| lesser(s, least)).sqrt();
     let mut margin = Polygonize::MARGIN_F32;
-    // Two vertices at a sample are a margin from it each, so that half of it for each is left for rounding;
-    // beyond an eighth of an edge the surface would be another one.
+    // Two vertices at a sample are a margin away from it each, so each may be rounded by half a margin; with more than an
+    // eighth of an edge, the surface would be a different one.
     while margin * shortest < 4.0 * lost && margin < 0.125 {
         margin *= 2.0;
     }
@@ -196,15 +196,15 @@ fn polygonize_rule(
     };
     let level = match (level, &suggested) {
         (Some(level), _) => *level,
-        (None, Some(found)) if found.follows() => found.level,
-        (None, Some(found)) => {
+        (None, Some(suggestion)) if suggestion.follows() => suggestion.level,
+        (None, Some(suggestion)) => {
             let between =
-                format!("samples lie between {low} and {high}, and nothing says where the surface is: ");
+                format!("samples lie between {low} and {high}, and the level of the surface is not known: ");
             let message = Message::from(between)
                 .value(Setting::Iso, "LEVEL")
-                .words(format_args!(" does; {} parts them best", found.level));
+                .words(format_args!(" sets it; {} separates them best", suggestion.level));
             return Err(MeshFailure::Usage(if range.may_be_labels() {
-                let labels = message.words("; where they are labels, ").setting(Setting::Labels);
+                let labels = message.words("; if they are labels, ").setting(Setting::Labels);
                 labels.words(" gives a surface of each")
             } else {
                 message
@@ -218,22 +218,24 @@ fn polygonize_rule(
         }
     };
     let side = inside.unwrap_or_else(|| range.default_side(level, &sampled.volume));
-    let taken = match (suggested, side) {
-        (Some(found), _) if sampled.surface.level.is_none() => {
-            let article = if found.kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
-            format!(" (taken for {article} {})", found.kind)
+    let kind_note = match (suggested, side) {
+        (Some(suggestion), _) if sampled.surface.level.is_none() => {
+            let article = if suggestion.kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+            format!(" (taken for {article} {})", suggestion.kind)
         }
         _ => String::new(),
     };
     let words = if side == Inside::High { "above" } else { "below" };
     notes.push(format!(
-        "the surface is where samples are {level}, with what is {words} inside{taken}; samples lie between {low} and {high}"
+        "the surface is where samples are {level}, with samples {words} that inside{kind_note}; samples lie between {low} and {high}"
     ).into());
     let rule = if side == Inside::High { Polygonize::above(level) } else { Polygonize::below(level) };
-    if suggested.is_some_and(|found| found.kind == "signed distance" && found.level == level) && low >= 0.0 {
+    if suggested.is_some_and(|suggestion| suggestion.kind == "signed distance" && suggestion.level == level)
+        && low >= 0.0
+    {
         let message = format!(
-            "no distance is below 0, they lie between {low} and {high}: what they were taken from has no inside, and so there \
-             is no surface; "
+            "no distance is below 0, they lie between {low} and {high}: the shape that they were measured from has no \
+             inside, so that there is no surface; "
         );
         let message =
             Message::from(message).value(Setting::Iso, 0.5 * high).words(" gives one that far away");
@@ -248,7 +250,7 @@ fn polygonize_rule(
     Ok(if *border == Border::Open { rule.open() } else { rule })
 }
 
-/// Adds a note where the shape reaches the border of the volume.
+/// Adds a note if the shape reaches the border of the volume.
 fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<Message>) {
     let is_inside = |x: f64| match rule.inside {
         Inside::Low => x < rule.level,
@@ -287,7 +289,7 @@ fn selected_labels(
         let message = Message::from("labels have no level and no side: give ").setting(Setting::Labels);
         return Err(MeshFailure::Usage(message.words(" alone, or ").setting(Setting::Iso)));
     }
-    let Some(known) = &range.labels else {
+    let Some(present) = &range.labels else {
         let message = if range.is_whole {
             "labels are at most 65,536 different whole numbers; these samples are more"
         } else {
@@ -297,31 +299,31 @@ fn selected_labels(
     };
     match labels {
         LabelSelection::All => {
-            let all: Vec<i64> = known.keys().copied().filter(|label| *label != 0).collect();
-            if all.is_empty() {
-                let message = "every sample is label 0, which stands for nothing: there is no surface";
+            let selected: Vec<i64> = present.keys().copied().filter(|label| *label != 0).collect();
+            if selected.is_empty() {
+                let message = "every sample is label 0, the background: there is no surface";
                 return Err(MeshFailure::refused(RefusalCode::Empty, message));
             }
-            Ok(all)
+            Ok(selected)
         }
         LabelSelection::Listed(listed) => {
-            let mut all = listed.clone();
-            all.sort_unstable();
-            all.dedup();
-            if let Some(missing) = all.iter().find(|label| !known.contains_key(label)) {
-                let (first, last) = (known.keys().next(), known.keys().next_back());
+            let mut selected = listed.clone();
+            selected.sort_unstable();
+            selected.dedup();
+            if let Some(missing) = selected.iter().find(|label| !present.contains_key(label)) {
+                let (first, last) = (present.keys().next(), present.keys().next_back());
                 let ends = first.zip(last).map_or_else(String::new, |(a, b)| format!(" between {a} and {b}"));
                 let message =
-                    format!("no sample has label {missing}; there are {} labels{ends}", known.len());
+                    format!("no sample has label {missing}; there are {} labels{ends}", present.len());
                 return Err(MeshFailure::refused(RefusalCode::Empty, message));
             }
-            Ok(all)
+            Ok(selected)
         }
     }
 }
 
-/// One part for each label, halfway between its samples and others; adjacent labels share their vertices, and where
-/// they are made of fewer triangles these, too.
+/// One part for each label, halfway between its samples and others. Adjacent labels share their vertices, also after they
+/// are simplified.
 fn mesh_labels(
     sampled: &VolumeShape,
     labels: &[i64],
@@ -339,7 +341,7 @@ fn mesh_labels(
     let meshes = convert::lattices::labels_to_meshes(&numbered, &rule, job)
         .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
     let (numbers, meshes): (Vec<u32>, Vec<Bounded<Mesh>>) = meshes.into_iter().unzip();
-    let (meshes, words) = match form {
+    let (meshes, note) = match form {
         SurfaceForm::Simplified if budget.has_limit() => {
             simplified_labels(meshes, (&budget, &request.bounds), job)?
         }
@@ -351,10 +353,10 @@ fn mesh_labels(
     for (number, Bounded { shape, bound }) in numbers.into_iter().zip(meshes) {
         let Bounded { shape, bound } = request.snap(&shape, bound, job)?;
         let label = labels[number as usize - 1];
-        let one = Scene::from_mesh(&looks.name(label), looks.paint(shape, number), scene.frame);
+        let label_scene = Scene::from_mesh(&looks.name(label), looks.paint(shape, number), scene.frame);
         let at = scene.parts.len();
-        scene.parts.extend(one.parts);
-        scene.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
+        scene.parts.extend(label_scene.parts);
+        scene.nodes.extend(label_scene.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
         scene.roots.push(at);
         let is_worse = worst.as_ref().is_none_or(|worst| bound.at_most() > worst.at_most());
         worst = if is_worse { Some(bound) } else { worst };
@@ -367,8 +369,8 @@ fn mesh_labels(
         )
         .into(),
     );
-    notes.extend(words);
-    let worst = worst.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "no label was asked for"))?;
+    notes.extend(note);
+    let worst = worst.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "no label was requested"))?;
     Ok((scene, worst))
 }
 
@@ -386,8 +388,8 @@ fn label_indices(grid: &Grid, labels: &[i64], job: &Job) -> Result<Grid, MeshFai
     let values = (0..samples.len()).map(|at| {
         let label = samples.get(at) as i64;
         let number = match last {
-            Some((known, number)) if known == label => number,
-            _ => labels.binary_search(&label).map_or(0, |found| found as u32 + 1),
+            Some((last_label, number)) if last_label == label => number,
+            _ => labels.binary_search(&label).map_or(0, |row| row as u32 + 1),
         };
         last = Some((label, number));
         number

@@ -5,11 +5,11 @@ use chordal::math::greater;
 use chordal_io::{MATERIAL, Scene, Volume};
 use serde_json::{Value, json};
 
-/// Names and colours for some labels: those of the file, else `label 3` and a colour by the label's number.
+/// Names and colours for some labels: those of the file, or else `label 3` and a colour by the label's number.
 pub(crate) struct LabelLooks {
     labels: Vec<i64>,
     names: Vec<String>,
-    /// Linear.
+    /// Linear intensities.
     colors: Vec<[f64; 3]>,
 }
 
@@ -17,12 +17,12 @@ impl LabelLooks {
     /// The looks of `labels`, in their order.
     pub fn new(volume: &Volume, labels: &[i64]) -> Self {
         let name = |label: &i64| {
-            let own = volume.labels.get(label).map(|look| look.name.clone());
-            own.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("label {label}"))
+            let file_name = volume.labels.get(label).map(|look| look.name.clone());
+            file_name.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("label {label}"))
         };
         let color = |label: &i64| {
-            let own = volume.labels.get(label).and_then(|look| look.color);
-            own.unwrap_or_else(|| color_of(*label)).map(to_linear)
+            let file_color = volume.labels.get(label).and_then(|look| look.color);
+            file_color.unwrap_or_else(|| color_of(*label)).map(to_linear)
         };
         Self {
             labels: labels.to_vec(),
@@ -52,7 +52,7 @@ impl LabelLooks {
         let names = std::iter::once(String::new()).chain(self.names.iter().cloned()).collect();
         scene.groups.insert(MATERIAL.to_owned(), names);
         let material = |(name, [r, g, b]): (&String, &[f64; 3])| -> Value {
-            // No metal and half rough: what a viewer shows in the colour as it is.
+            // No metal and half rough: viewers show this in about the colour itself.
             let base =
                 json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.5 });
             json!({ "name": name, "pbrMetallicRoughness": base })
@@ -61,21 +61,21 @@ impl LabelLooks {
     }
 }
 
-/// The share of the circle of hues from one label to the next: the golden ratio less 1, so that any few labels in
-/// a row are far apart.
+/// The share of the circle of hues from one label to the next. Defined: the golden ratio less 1, so that the hues of a few
+/// successive labels are far apart.
 const HUE_STEP: f64 = 0.618_033_988_749_895;
-/// Saturation and value of labels in turn; chosen, so that labels whose hues come near differ in one of them.
+/// Saturation and value of labels in turn. Chosen: so that labels with similar hues differ in one of them.
 const SHADES: [[f64; 2]; 3] = [[0.75, 0.95], [0.5, 0.8], [0.9, 0.65]];
 
-/// A colour for a label without one, in sRGB: by its number alone, so that it is the same in every file.
+/// A colour for a label without one, in sRGB. It depends only on the label's number, so that it is the same in every file.
 fn color_of(label: i64) -> [f64; 3] {
     let hue = 6.0 * (label as f64 * HUE_STEP).rem_euclid(1.0);
     let [saturation, value] = SHADES[label.rem_euclid(SHADES.len() as i64) as usize];
-    // Each channel is full within a sixth of the circle on either side of its own hue, and falls off over the next.
-    let channel = |own: f64| {
-        let apart = (hue - own).abs();
-        let apart = if apart > 3.0 { 6.0 - apart } else { apart };
-        let share = (2.0 - apart).clamp(0.0, 1.0);
+    // Each channel is full within a sixth of the circle on either side of its hue, and decreases over the next sixth.
+    let channel = |channel_hue: f64| {
+        let distance = (hue - channel_hue).abs();
+        let distance = if distance > 3.0 { 6.0 - distance } else { distance };
+        let share = (2.0 - distance).clamp(0.0, 1.0);
         value * (1.0 - saturation * (1.0 - share))
     };
     [channel(0.0), channel(2.0), channel(4.0)]

@@ -150,12 +150,12 @@ pub use verify::{
 };
 pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 
-/// Runs the example of the page in `docs/` with the tests.
+/// Compiles the examples of the page in `docs/` with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/volumes.md")]
 struct Volumes;
 
-/// The same for cages.
+/// The examples of the page on cages.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/cages.md")]
 struct Cages;

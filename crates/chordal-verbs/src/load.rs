@@ -1,4 +1,4 @@
-//! `load`: parses bytes to a shape, with everything that a report says about its input.
+//! `load`: parses bytes to a shape, with the facts about the input that a report contains.
 use crate::composed::Composed;
 use crate::digest::sha256;
 use crate::field_digest::field_digest;
@@ -24,22 +24,22 @@ pub struct FormatHint<'a> {
     pub format: Option<Format>,
     /// Values for a script's parameters.
     pub set: &'a [(String, f64)],
-    /// What a font sets.
+    /// The text that a font sets, and how.
     pub letters: Option<&'a Letters>,
     /// The box that clips a field, instead of the format's own.
     pub region: Option<Box3>,
 }
 
 impl FormatHint<'_> {
-    /// The given format, else that of the name, else that of the content.
+    /// The given format, else the format by the name, else by the content.
     #[must_use]
     pub fn format_of(self, bytes: &[u8]) -> Option<Format> {
         let extension = self.name.and_then(extension);
-        // The list of a tileset is JSON, and its name says no more.
+        // The list of a tileset is a JSON file, and its name does not tell it from other JSON files.
         let is_named =
             |format: &Format| *format != Format::Json || Format::sniff(bytes) != Some(Format::Tileset);
         let by_name = || extension.and_then(Format::from_packed_extension).filter(is_named);
-        // Texts of other languages may begin like one of these, which have no mark.
+        // Files of other formats may begin like one of these, which have no magic number.
         let has_mark = |format: &Format| {
             !matches!(format, Format::Obj | Format::Vm | Format::Teaset | Format::Bpt)
                 || extension.and_then(ForeignFormat::from_extension).is_none()
@@ -55,7 +55,7 @@ pub struct Input {
     pub shape: Shape,
     /// The format of the bytes.
     pub format: Format,
-    /// What the font has set, if it is one.
+    /// The text that was set, if the file is a font.
     pub letters: Option<Letters>,
     /// The number of bytes.
     pub n_bytes: u64,
@@ -65,12 +65,12 @@ pub struct Input {
     pub files: Vec<InputFile>,
     /// Irregularities in the bytes.
     pub warnings: Vec<Warning>,
-    /// What it was put together of, for triangles that never were a file.
+    /// The inputs that it was put together from, for triangles that were never a file.
     pub composed: Option<Arc<Composed>>,
 }
 
 impl Input {
-    /// A shape that never was a file; `format` is the one that could hold it.
+    /// A shape that was never a file; `format` is a format that could hold it.
     #[must_use]
     pub fn made(shape: Shape, format: Format) -> Self {
         Self {
@@ -85,19 +85,19 @@ impl Input {
         }
     }
 
-    /// The SHA-256 of the bytes, in hexadecimal. For a shape that never was a file it is that of its geometry or its
-    /// formula, made when it is asked for the first time; `None` where that has no digest, as a function has none.
+    /// The SHA-256 of the bytes, in hexadecimal. For a shape that was never a file: the SHA-256 of its geometry or its
+    /// formula, computed on the first call; `None` if there is no such digest, as for a function of the user.
     #[must_use]
     pub fn sha256(&self) -> Option<&str> {
-        let made = || match &self.shape {
+        let compute = || match &self.shape {
             Shape::Field(implicit) => field_digest(implicit),
             other => geometry_digest(other).ok().flatten(),
         };
-        self.digest.0.get_or_init(made).as_deref()
+        self.digest.0.get_or_init(compute).as_deref()
     }
 }
 
-/// What [`Input::sha256`] says. The default is to make it when it is asked for.
+/// The cell of [`Input::sha256`]. By default it is computed on the first call.
 #[derive(Clone, Debug, Default)]
 pub struct InputDigest(OnceLock<Option<String>>);
 
@@ -107,7 +107,7 @@ impl From<String> for InputDigest {
     }
 }
 
-/// A file that an input names and that was read: a buffer, a picture.
+/// A file that an input names and that was read: a buffer or a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputFile {
     /// Its path below the folder of the input.
@@ -118,12 +118,12 @@ pub struct InputFile {
     pub sha256: String,
 }
 
-/// Reads any format that Chordal knows: the one given, else that of the extension, else that of the content.
+/// Reads any format that Chordal knows: the format given, else by the extension, else by the content.
 ///
 /// Time and memory are linear in the bytes and capped by `limits`.
 ///
 /// # Errors
-/// When the format cannot be determined, or the bytes violate it, with the position.
+/// If the format cannot be determined, or the bytes violate it; the error has the position.
 ///
 /// ```
 /// use chordal_verbs::{FormatHint, load};
@@ -136,11 +136,11 @@ pub fn load(bytes: &[u8], hint: FormatHint, limits: &Limits) -> Result<Input, Re
     load_from(bytes, hint, None, limits, &job_of(limits))
 }
 
-/// As [`load`], for a file that may name others beside it, which `open` returns: see
+/// As [`load`], for a file that may name other files beside it, which `open` returns: see
 /// [`chordal_io::read_with`].
 ///
 /// # Errors
-/// As for [`load`]; also where a file that is needed cannot be had.
+/// As for [`load`]; also if a required file cannot be opened.
 pub fn load_with(
     bytes: &[u8],
     hint: FormatHint,
@@ -150,8 +150,8 @@ pub fn load_with(
     load_from(bytes, hint, Some(open), limits, &job_of(limits))
 }
 
-/// As [`load_with`], where reading may be work (a script that makes meshes on the way): within the limits of a
-/// job, which may be cancelled.
+/// As [`load_with`], for files that may take work to read (a script may build meshes): within the limits of a job, which
+/// may be cancelled.
 ///
 /// # Errors
 /// As for [`load_with`].
@@ -165,7 +165,7 @@ pub fn load_within(
     load_from(bytes, hint, Some(open), limits, job)
 }
 
-/// A job that takes no more than a file may.
+/// A job with no more memory than the limits allow for a file.
 fn job_of(limits: &Limits) -> Job {
     let mut job = Job::default().with_threads(limits.threads);
     job.memory_limit = job.memory_limit.min(limits.bytes);
@@ -180,9 +180,9 @@ fn load_from(
     job: &Job,
 ) -> Result<Input, ReadError> {
     let by_name = hint.name.and_then(extension).and_then(Format::from_packed_extension);
-    // Only what is inside says what a file is whose name does not.
+    // The name of a packed file says nothing about its content.
     let content = chordal_io::unpacked(bytes, hint.format.or(by_name), limits)?;
-    // What begins like a file of others is none of those that are read, whatever its name says.
+    // A file that begins like a foreign format is refused, whatever its name is.
     if let Some(foreign) = ForeignFormat::sniff(&content).filter(|_| hint.format.is_none()) {
         return Err(refuse_foreign(foreign));
     }
@@ -192,14 +192,14 @@ fn load_from(
     }
     if hint.letters.is_some() && format != Format::Ttf {
         let message = Message::from("only fonts set letters: ").setting(Setting::Text);
-        let message = message.words(format_args!(" says nothing of {format}"));
+        let message = message.words(format_args!(" does not apply to {format}"));
         return Err(ReadError::new("no-font", FileLocation::File, message));
     }
     let mut files: Vec<InputFile> = Vec::new();
     let mut open = open.map(|open| {
-        |asked: &str| {
+        |name: &str| {
             let path =
-                chordal_io::with_stem(asked, hint.name).ok_or("the name of the first file is not known")?;
+                chordal_io::with_stem(name, hint.name).ok_or("the name of the first file is not known")?;
             let path = &*path;
             let bytes = open(path)?;
             if files.iter().all(|file| file.path != path) {
@@ -246,18 +246,18 @@ fn load_from(
     })
 }
 
-/// Only OBJ and USD keep polygons; triangles of other files are faceted as they are.
+/// Only OBJ and USD keep polygons; triangles of other formats are faceted anyway.
 fn check_surface(surface: PolygonSurface, format: Format) -> Result<(), ReadError> {
     if format.may_hold_cages() || surface == PolygonSurface::Faceted && format.holds_triangles() {
         return Ok(());
     }
     let message = Message::from("only the polygons of an .obj or of USD can be a cage: ")
         .setting(Setting::Surface)
-        .words(format_args!(" says nothing of {format}"));
+        .words(format_args!(" does not apply to {format}"));
     Err(ReadError::new("no-cage", FileLocation::File, message))
 }
 
-/// Refuses a file of a format of others, by its name and with the usual way around.
+/// Refuses a foreign format by its name, with the usual way around.
 fn refuse_foreign(foreign: &ForeignFormat) -> ReadError {
     let message = format!("this is {}, which is not read: {}", foreign.name, foreign.way);
     ReadError::new("foreign-format", FileLocation::File, message)
@@ -271,7 +271,8 @@ fn format_of(bytes: &[u8], hint: FormatHint) -> Result<Format, ReadError> {
         }
         let what = if bytes.is_empty() { "the file is empty" } else { "the content is of no known format" };
         let message = Message::from(what).words("; ").setting(Setting::From).words(" names the format: ");
-        let message = message.words(format_args!("what is read is {}", formats::readable_names()));
+        let message =
+            message.words(format_args!("formats that can be read are {}", formats::readable_names()));
         ReadError::new("unknown-format", FileLocation::File, message)
     })
 }

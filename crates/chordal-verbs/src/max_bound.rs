@@ -1,4 +1,4 @@
-//! `max_bound`: the bound of a scene from those of its parts.
+//! `max_bound`: the bound of a scene from the bounds of its parts.
 use crate::MeshFailure;
 use crate::placements::scaled_up;
 use chordal::budget::{Bound, Metric, Reference, RefusalCode};

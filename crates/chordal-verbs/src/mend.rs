@@ -1,5 +1,4 @@
-//! `mend`: repairs the defects that `inspect` found, one repair at a time, as the result reads back from a
-//! format.
+//! `mend`: repairs the defects that `inspect` finds, one repair at a time; the result is as a reader of the format gets it.
 use crate::finish::finish_triangles;
 use crate::max_bound::max_bound;
 use crate::pass_through::pass_through;
@@ -28,13 +27,13 @@ pub struct MendSpec {
     pub drop_duplicates: Option<Duplicates>,
     /// Drop faces without area.
     pub drop_degenerate: bool,
-    /// Split faces where a vertex lies in the interior of their edge.
+    /// Split faces at vertices in the interior of their edges.
     pub resolve_t_junctions: Option<WeldTolerance>,
     /// Split the surface where it is not manifold.
     pub split_non_manifold: bool,
-    /// Orient faces consistently, and outwards where they enclose a volume.
+    /// Orient faces consistently, and outwards if they enclose a volume.
     pub orient: bool,
-    /// Which way closed pieces within others face after that.
+    /// The orientation of closed pieces within others after that.
     pub nested: NestedShells,
     /// Fill boundary loops.
     pub fill_holes: Option<HoleSelection>,
@@ -64,18 +63,18 @@ pub(crate) enum RepairStep {
     DropUnused,
 }
 
-/// Applies the repairs in `spec` to every part by itself, and returns the triangles as they read back from a
-/// file of the format `to`.
+/// Applies the repairs in `spec` to every part by itself, and returns the triangles as they read back from a file of the
+/// format `to`.
 ///
-/// The order: weld, drop duplicates, drop degenerate, resolve T-junctions, split, orient, fill; orient once
-/// more where something was filled, since the closed surface now has an outside; drop unused. Lengths are in
-/// scene units: a part that is scaled up gets a length that much smaller. The bound adds what each repair
-/// moved, as scaled in the scene, and the rounding to the format. [`Certificate::mended`] lists the changes,
-/// and [`Certificate::valid_before`] the state before.
+/// The order: weld, drop duplicates, drop degenerate, resolve T-junctions, split, orient, fill; orient once more if a hole
+/// was filled, since the closed surface now has an outside; drop unused. Lengths are in scene units: for a part that is
+/// scaled up, the length is divided by the scale. The bound adds the displacement of each repair, as scaled in the scene,
+/// and the rounding to the format. [`Certificate::mended`] lists the changes, and [`Certificate::valid_before`] the state
+/// before.
 ///
 /// # Errors
-/// When no repair is requested, when the shape has no triangles or the length no meaning for it; when the
-/// work is refused, or cancelled; when nothing would be left; when a coordinate does not fit the format.
+/// If no repair is requested, the shape has no triangles or the length no meaning for it; if the work is refused or
+/// cancelled; if nothing would be left; if a coordinate does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -98,7 +97,7 @@ pub fn mend(
     let to = form.format;
     let cures = spec.cures(&input.shape)?;
     if cures.is_empty() {
-        return Err(MeshFailure::Usage("no cure is asked for".into()));
+        return Err(MeshFailure::Usage("no repair is requested".into()));
     }
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let mut certificate = Certificate::from_input(&input).by("mend");
@@ -133,19 +132,17 @@ pub fn mend(
     finish_triangles(scene, bound.then(&rounded), &request, certificate)
 }
 
-/// What was taken for granted about closed pieces within others whose winding is not that of a cavity.
+/// A note on closed pieces within others that do not face as a cavity does, with the assumption about them.
 fn nesting_note(mended: &[RepairFacts]) -> Option<Message> {
-    let of_last = |what: &str| {
+    let last_count = |what: &str| {
         let changes = mended.iter().rev().flat_map(|facts| &facts.changes);
         changes.filter(|change| change.what == what).map(|change| change.count).next().unwrap_or(0)
     };
-    let (kept, turned) = (of_last("left_nested_shells"), of_last("turned_nested_shells"));
+    let (kept, turned) = (last_count("left_nested_shells"), last_count("turned_nested_shells"));
     let pieces = |n: u64| if n == 1 { "a closed piece".to_owned() } else { format!("{n} closed pieces") };
     if kept > 0 {
-        let start = format!(
-            "{} within another faces the same way as that one: taken as solid in there; ",
-            pieces(kept)
-        );
+        let start =
+            format!("{} within another faces the same way as that one: taken as solid; ", pieces(kept));
         return Some(
             Message::from(start).value(Setting::Nested, "cavity").words(" takes it out of the solid"),
         );
@@ -161,7 +158,7 @@ fn nesting_note(mended: &[RepairFacts]) -> Option<Message> {
 }
 
 impl MendSpec {
-    /// Every repair, by equal positions and of all holes.
+    /// Every repair: by equal positions, and of all holes.
     pub const ALL: Self = Self {
         weld: Some(WeldTolerance::Exact),
         drop_duplicates: Some(Duplicates::EitherWay),
@@ -188,25 +185,25 @@ impl MendSpec {
         Ok(self.in_order(weld, resolve_t_junctions))
     }
 
-    /// The order of [`Cure::ALL`]; orient twice around fill, since what is closed by then has an outside.
+    /// The order of [`Cure::ALL`]; orients a second time after filling, since a filled surface has an outside.
     fn in_order(
         &self,
         weld: Option<Option<Tolerance>>,
         resolve_t_junctions: Option<Option<Tolerance>>,
     ) -> Vec<RepairStep> {
-        let asked = |flag: bool, cure: RepairStep| flag.then_some(cure);
-        let all = [
+        let requested = |flag: bool, cure: RepairStep| flag.then_some(cure);
+        let steps = [
             weld.map(RepairStep::Weld),
             self.drop_duplicates.map(RepairStep::DropDuplicates),
-            asked(self.drop_degenerate, RepairStep::DropDegenerate),
+            requested(self.drop_degenerate, RepairStep::DropDegenerate),
             resolve_t_junctions.map(RepairStep::ResolveTJunctions),
-            asked(self.split_non_manifold, RepairStep::SplitNonManifold),
-            asked(self.orient, RepairStep::Orient(self.nested)),
+            requested(self.split_non_manifold, RepairStep::SplitNonManifold),
+            requested(self.orient, RepairStep::Orient(self.nested)),
             self.fill_holes.map(RepairStep::FillHoles),
-            asked(self.orient && self.fill_holes.is_some(), RepairStep::Orient(self.nested)),
-            asked(self.drop_unused, RepairStep::DropUnused),
+            requested(self.orient && self.fill_holes.is_some(), RepairStep::Orient(self.nested)),
+            requested(self.drop_unused, RepairStep::DropUnused),
         ];
-        all.into_iter().flatten().collect()
+        steps.into_iter().flatten().collect()
     }
 }
 
@@ -216,7 +213,7 @@ pub(crate) fn trial_steps() -> Vec<RepairStep> {
 }
 
 impl RepairStep {
-    /// Its kind, without its length or number.
+    /// The kind of the repair, without its length or number.
     pub fn cure(self) -> Cure {
         match self {
             Self::Weld(_) => Cure::Weld,
@@ -230,7 +227,7 @@ impl RepairStep {
         }
     }
 
-    /// Repairs every part. Returns what was done, and how far the scene moved.
+    /// Repairs every part. Returns the changes, and a bound for how far the scene moved.
     pub fn apply(
         self,
         scene: &mut Scene,
@@ -254,7 +251,7 @@ impl RepairStep {
             facts.add(number, &mended);
             bound = max_bound(bound, &mended.bound, stretch[number])?;
             if matches!(self, Self::SplitNonManifold) && !mended.is_unchanged() {
-                // From here on the rows identify positions: their bits would tie the copies again.
+                // From now on the rows identify positions: equal coordinates would tie the copies again.
                 topologies[number] = Topology::Indices;
             }
             part.mesh = mended.mesh;
@@ -270,13 +267,13 @@ impl RepairStep {
         stretch: f64,
         job: &Job,
     ) -> Result<MendedMesh, MeshFailure> {
-        let own =
+        let in_part =
             |within: Option<Tolerance>| within.map(|within| part_tolerance(within, stretch)).transpose();
         let mended = match self {
-            Self::Weld(within) => weld(mesh, own(within)?.map_or(Weld::Exact, Weld::Within), job),
+            Self::Weld(within) => weld(mesh, in_part(within)?.map_or(Weld::Exact, Weld::Within), job),
             Self::DropDuplicates(which) => drop_duplicates(mesh, topology, which, job),
             Self::DropDegenerate => drop_degenerate(mesh, topology, job),
-            Self::ResolveTJunctions(within) => resolve_t_junctions(mesh, topology, own(within)?, job),
+            Self::ResolveTJunctions(within) => resolve_t_junctions(mesh, topology, in_part(within)?, job),
             Self::SplitNonManifold => split_non_manifold(mesh, topology, job),
             Self::Orient(nested) => orient(mesh, topology, nested, job),
             Self::FillHoles(holes) => fill_holes(mesh, topology, holes, job),

@@ -1,22 +1,22 @@
-//! Puts meshes together as one, with what their vertices, corners and faces carry.
+//! Puts meshes together as one, with the attributes of their vertices, corners and faces.
 use crate::file_rows::unsupported;
 use crate::merged_parts::concatenated;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal_io::WriteError;
 
-/// Meshes as one.
+/// Several meshes as one.
 pub(crate) struct MergedMesh {
     pub mesh: Mesh,
-    /// Whether some of them had an attribute that others lack and that has no usual value.
+    /// Whether an attribute was left out: some meshes lack it, and it has no default value.
     pub is_partial: bool,
 }
 
-/// Concatenates meshes with their attributes. Where some lack one, colours are white there, texture
-/// coordinates and groups zero; any other attribute is left out.
+/// Concatenates meshes with their attributes. If some lack an attribute, colours are white there, texture coordinates and
+/// groups zero; any other attribute is left out.
 ///
 /// # Errors
-/// When there are more rows than one mesh can hold.
+/// If there are more rows than one mesh can hold.
 pub(crate) fn merge(meshes: &[&Mesh]) -> Result<MergedMesh, WriteError> {
     let mut mesh = concatenated(meshes)?;
     let mut is_partial = false;
@@ -35,28 +35,28 @@ pub(crate) fn merge(meshes: &[&Mesh]) -> Result<MergedMesh, WriteError> {
     Ok(MergedMesh { mesh, is_partial })
 }
 
-/// One attribute of all meshes; none where it cannot be completed.
+/// One attribute of all meshes; `None` if it cannot be completed.
 fn merged_attribute(meshes: &[&Mesh], semantic: &Semantic) -> Option<Attribute> {
-    let found: Vec<Option<&Attribute>> = meshes.iter().map(|mesh| mesh.attribute(semantic)).collect();
+    let attributes: Vec<Option<&Attribute>> = meshes.iter().map(|mesh| mesh.attribute(semantic)).collect();
     let filling = match semantic {
         Semantic::Color(_) => Some(1.0),
         Semantic::TexCoord(_) | Semantic::Group(_) => Some(0.0),
         Semantic::Normal | Semantic::Tangent | Semantic::Custom(_) | Semantic::Blended(_) => None,
     };
-    let known = || found.iter().flatten();
-    let width = known().map(|attribute| attribute.width).max()?;
-    // A colour without alpha is opaque; other rows of different lengths are different things.
+    let present = || attributes.iter().flatten();
+    let width = present().map(|attribute| attribute.width).max()?;
+    // A colour without alpha is opaque; other attributes of different widths have different meanings.
     let is_color = matches!(semantic, Semantic::Color(_));
-    if known().any(|attribute| attribute.width != width && !is_color) {
+    if present().any(|attribute| attribute.width != width && !is_color) {
         return None;
     }
-    if filling.is_none() && found.iter().any(Option::is_none) {
+    if filling.is_none() && attributes.iter().any(Option::is_none) {
         return None;
     }
-    let first = known().next()?.domain;
-    let domain = if known().all(|attribute| attribute.domain == first) { first } else { Domain::Corner };
+    let first = present().next()?.domain;
+    let domain = if present().all(|attribute| attribute.domain == first) { first } else { Domain::Corner };
     let mut values = Vec::new();
-    for (mesh, attribute) in meshes.iter().zip(&found) {
+    for (mesh, attribute) in meshes.iter().zip(&attributes) {
         let n_rows = match domain {
             Domain::Vertex => mesh.positions().len(),
             Domain::Corner => 3 * mesh.faces().len(),
@@ -67,18 +67,18 @@ fn merged_attribute(meshes: &[&Mesh], semantic: &Semantic) -> Option<Attribute> 
             continue;
         };
         for row in 0..n_rows {
-            let own = attribute.row(own_row(mesh, attribute.domain, domain, row));
-            values.extend_from_slice(own);
-            values.resize(values.len() + width - own.len(), 1.0);
+            let row_values = attribute.row(source_row(mesh, attribute.domain, domain, row));
+            values.extend_from_slice(row_values);
+            values.resize(values.len() + width - row_values.len(), 1.0);
         }
     }
     Some(Attribute { semantic: semantic.clone(), domain, width, values })
 }
 
-/// The row of an attribute for a row of a domain that is the same or the corners.
-fn own_row(mesh: &Mesh, own: Domain, domain: Domain, row: usize) -> usize {
-    match own {
-        own if own == domain => row,
+/// The row of an attribute's domain `from` for a row of `domain`, which is the same or the corners.
+fn source_row(mesh: &Mesh, from: Domain, domain: Domain, row: usize) -> usize {
+    match from {
+        from if from == domain => row,
         Domain::Vertex => mesh.faces()[row / 3][row % 3] as usize,
         Domain::Corner => row,
         Domain::Face => row / 3,

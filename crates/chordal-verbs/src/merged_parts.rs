@@ -6,17 +6,17 @@ use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bi
 use chordal_io::{Scene, WriteError};
 use std::borrow::Cow;
 
-/// All placements of a scene as one mesh in world coordinates, for rendering: with normals where every part
-/// has some, and without any other attribute.
+/// All placements of a scene as one mesh in world coordinates, for rendering: with normals if every part has some, and
+/// without any other attribute.
 ///
 /// # Errors
 /// When the nodes are no tree, take coordinates out of range, or show more than one mesh can hold.
 pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
-    let mut all = scene.world_meshes()?;
-    if all.len() == 1 {
-        return Ok(all.remove(0).1);
+    let mut placed = scene.world_meshes()?;
+    if placed.len() == 1 {
+        return Ok(placed.remove(0).1);
     }
-    let meshes: Vec<&Mesh> = all.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+    let meshes: Vec<&Mesh> = placed.iter().map(|(_, mesh)| mesh.as_ref()).collect();
     let mesh = concatenated(&meshes)?;
     let normals: Option<Vec<_>> = meshes.iter().map(|mesh| corner_normals(mesh)).collect();
     let Some(normals) = normals else { return Ok(Cow::Owned(mesh)) };
@@ -27,7 +27,7 @@ pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
 
 /// All placements as one mesh in world coordinates, with the faces of each.
 pub(crate) struct MergedParts {
-    /// Its indices tie only positions that are one within the same part.
+    /// Its indices tie only equal positions within the same part.
     pub mesh: Mesh,
     /// The part of each placement, with its first face, in the order of the faces.
     pub places: Vec<(usize, u32)>,
@@ -45,11 +45,11 @@ impl MergedParts {
             places.push((part, first));
             first += mesh.faces().len() as u32;
             let mesh = mesh.into_owned();
-            let tied = match topology {
+            let welded = match topology {
                 Topology::Indices => mesh,
                 Topology::Positions => weld_exact(&mesh)?,
             };
-            meshes.push(tied);
+            meshes.push(welded);
         }
         let mesh = concatenated(&meshes.iter().collect::<Vec<_>>())?;
         Ok(Self { mesh, places })
@@ -76,21 +76,21 @@ fn weld_exact(mesh: &Mesh) -> Result<Mesh, WriteError> {
 
 /// The normals at the corners of every face, if the mesh has any.
 fn corner_normals(mesh: &Mesh) -> Option<Vec<f64>> {
-    let own = mesh.attribute(&Semantic::Normal).filter(|own| own.width == 3)?;
-    let row = |face: usize, k: usize| match own.domain {
+    let normals = mesh.attribute(&Semantic::Normal).filter(|normals| normals.width == 3)?;
+    let row = |face: usize, k: usize| match normals.domain {
         Domain::Vertex => mesh.faces()[face][k] as usize,
         Domain::Corner => 3 * face + k,
         Domain::Face => face,
     };
     let corners = (0..mesh.faces().len()).flat_map(|face| [0, 1, 2].map(|k| row(face, k)));
-    Some(corners.flat_map(|row| own.row(row).iter().copied()).collect())
+    Some(corners.flat_map(|row| normals.row(row).iter().copied()).collect())
 }
 
 /// Concatenates the positions and faces of all meshes; positions stay tied as in each.
 pub(crate) fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
     let (mut positions, mut faces, mut ids) = (Vec::new(), Vec::new(), Vec::new());
     for mesh in meshes {
-        // Saturated numbers belong to more positions than a mesh may have, which it then refuses.
+        // Saturated indices mean more positions than a mesh may have, which `Mesh::new` then refuses.
         let first = u32::try_from(positions.len()).unwrap_or(u32::MAX);
         faces.extend(mesh.faces().iter().map(|face| face.map(|i| first.saturating_add(i))));
         let n = mesh.positions().len() as u32;

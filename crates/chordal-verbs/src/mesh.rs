@@ -1,5 +1,5 @@
-//! `mesh`: any shape into triangles, or curves into polylines, within a budget, as the result reads back from
-//! a format.
+//! `mesh`: any shape into triangles, or curves into polylines, within a budget; the result is as a reader of the format
+//! gets it.
 use crate::drop_attributes::drop_normals;
 use crate::field_slack::NOT_COUNTED;
 use crate::file_rows::order_new_triangles;
@@ -19,16 +19,16 @@ use chordal::budget::advice::Message;
 use chordal::{Job, convert};
 use chordal_io::Scene;
 
-/// Turns a shape into triangles within a budget, or curves into polylines where the format holds those.
+/// Turns a shape into triangles within a budget, or curves into polylines if the format holds polylines.
 ///
-/// The bound covers everything from the parsed numbers to the triangles as they read back from a file of the
-/// format `to`: the rounding to that format is reserved from the budget first, and its actual size is added
-/// to the bound, and so is that to a lattice where the form asks for 16 bits. Triangle meshes are simplified, part by part; see `chordal::lod::simplify`. For a format of
-/// triangles the regions that a drawing's outlines enclose are filled, in the plane z = 0, or raised to a solid.
+/// The bound covers everything from the parsed numbers to the triangles as they read back from a file of the format `to`:
+/// the rounding to that format, or to a lattice of 16 bits, is reserved from the budget first, and its actual size is added
+/// to the bound. Triangle meshes are simplified, part by part; see `chordal::lod::simplify`. For a format of triangles, the
+/// regions that a drawing's outlines enclose are filled in the plane z = 0, or raised to a solid.
 ///
 /// # Errors
-/// When the budget or the format has no meaning for this shape; when the budget is not met, with the best
-/// that was reached; when the work is refused, or cancelled; when a coordinate does not fit the format.
+/// If the budget or the format has no meaning for this shape; if the budget is not met, with the best result that was
+/// reached; if the work is refused, or cancelled; if a coordinate does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -66,7 +66,7 @@ pub fn mesh(
     let request = MeshRequest::new(budget, form, input.shape.bounds()?)
         .with_spacing(spec.spacing)
         .with_effort(spec.effort);
-    // Those of a scene are put in order where they were simplified.
+    // The parts of a scene were put in order when they were simplified.
     let are_all_new = !matches!(input.shape, Shape::Scene(_));
     let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
@@ -84,14 +84,14 @@ pub fn mesh(
             return finish_triangles(scene, bound, &request, certificate);
         }
         Shape::Patches { patches, frame } => {
-            let made = request.run(job, |budget| convert::patches_to_mesh(&patches, budget, job))?;
+            let converted = request.run(job, |budget| convert::patches_to_mesh(&patches, budget, job))?;
             // A descriptive name; a file name would make the bytes depend on a path.
-            (Scene::from_mesh("patches", made.shape, frame), made.bound)
+            (Scene::from_mesh("patches", converted.shape, frame), converted.bound)
         }
         Shape::Surfaces { surfaces, frame } => {
-            let made =
+            let converted =
                 request.run(job, |budget| convert::trimmed_surfaces_to_mesh(&surfaces, budget, job))?;
-            (Scene::from_mesh("surfaces", made.shape, frame), made.bound)
+            (Scene::from_mesh("surfaces", converted.shape, frame), converted.bound)
         }
         Shape::Cage(polygons) => {
             certificate.notes.extend(cage::notes_of_mesh(&polygons));
@@ -99,15 +99,16 @@ pub fn mesh(
         }
         Shape::Volume(sampled) => {
             let request = (&request.widened(), SurfaceForm::Simplified);
-            let made = isosurface::mesh_volume(&sampled, request, &mut certificate.notes, job)?;
-            certificate.smoothed = made.smoothed;
-            (made.scene, made.bound)
+            let surface = isosurface::mesh_volume(&sampled, request, &mut certificate.notes, job)?;
+            certificate.smoothed = surface.smoothed;
+            (surface.scene, surface.bound)
         }
         Shape::Field(implicit) => {
-            let made = field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?;
-            let is_told = |note: &&Message| note.starts_with(NOT_COUNTED) || note.starts_with(field::DRAFT);
-            certificate.warned.extend(certificate.notes.iter().filter(is_told).cloned());
-            made
+            let meshed = field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?;
+            let is_warning =
+                |note: &&Message| note.starts_with(NOT_COUNTED) || note.starts_with(field::DRAFT);
+            certificate.warned.extend(certificate.notes.iter().filter(is_warning).cloned());
+            meshed
         }
         Shape::Scene(mut scene) => {
             if has_new_normals(spec.normals) {
@@ -121,7 +122,7 @@ pub fn mesh(
             simplify_scene(scene, &request, &mut certificate, job)?
         }
     };
-    // At the positions that will be written, and before rows are counted: hard edges double some.
+    // At the positions that will be written, and before rows are counted: hard edges double some rows.
     spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
     if are_all_new {
         order_new_triangles(&mut scene)?;
@@ -130,8 +131,8 @@ pub fn mesh(
     finish_triangles(scene, bound, &request, certificate)
 }
 
-/// Whether a shape needs a budget to become triangles: volumes have a resolution of their own, and triangles
-/// that only get new normals stay as they are.
+/// Whether a shape needs a budget to become triangles: volumes have a resolution of their own, and triangles that only get
+/// new normals stay as they are.
 pub fn needs_budget(shape: &Shape, normals: Normals) -> bool {
     match shape {
         Shape::Volume(_) => false,

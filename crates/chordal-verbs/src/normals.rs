@@ -1,4 +1,4 @@
-//! `Normals`: the normals that triangles get, as a user requests them.
+//! `Normals`: the normals of triangles, as a user requests them.
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use chordal::budget::advice::Message;
@@ -7,7 +7,7 @@ use chordal_io::{Format, Scene};
 use std::fmt;
 use std::str::FromStr;
 
-/// The normals that triangles get.
+/// The normals of triangles.
 ///
 /// ```
 /// use chordal_verbs::Normals;
@@ -17,12 +17,12 @@ use std::str::FromStr;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Normals {
-    /// Those of the shape. A mesh without gets [`Normals::Crease`] of 30° in formats that hold normals beside
-    /// the positions or identify vertices by their bits (OBJ, glTF), and stays without elsewhere. One of a glTF
-    /// stays without in any format: glTF says that it is shaded flat.
+    /// The normals of the shape. A mesh without normals gets [`Normals::Crease`] of 30° in formats that hold normals beside
+    /// the positions or identify vertices by their bits (OBJ, glTF), and no normals in other formats. A mesh of a glTF
+    /// without normals gets none in any format: glTF defines that it is shaded flat.
     #[default]
     Auto,
-    /// Those of the shape, if it has some.
+    /// The normals of the shape, if it has any.
     Keep,
     /// Flat: one normal a triangle.
     Flat,
@@ -37,49 +37,49 @@ pub enum Normals {
     Groups,
 }
 
-/// What stands before the words for normals in the note on them.
+/// The start of the note on normals, before their name.
 const COMPUTED: &str = "normals were computed: ";
 
 /// The default crease angle, as in most modellers.
 const USUAL_CREASE_DEG: f64 = 30.0;
 
 impl Normals {
-    /// What these are for triangles of a file of a format. glTF itself says that a mesh without normals is shaded
-    /// flat (Khronos, glTF 2.0, section 3.7.2.1), so that none are made for it unless they are requested.
+    /// The normals for triangles from a file of a format. glTF defines that a mesh without normals is shaded flat (Khronos,
+    /// glTF 2.0, section 3.7.2.1), so that none are computed for it unless they are requested.
     pub(crate) fn of_file(self, from: Format) -> Self {
-        let says_flat = matches!(from, Format::Glb | Format::Gltf);
+        let says_flat = from.is_gltf();
         if self == Self::Auto && says_flat { Self::Keep } else { self }
     }
 
-    /// Sets the normals of every part of a scene, and adds a note. The format `from` determines which
-    /// vertices are one position; `to` is the output format.
+    /// Sets the normals of every part of a scene, and adds a note. The format `from` determines which vertices are one
+    /// position; `to` is the output format.
     pub(crate) fn apply(
         self,
         scene: &mut Scene,
         [from, to]: [Format; 2],
         notes: &mut Vec<Message>,
     ) -> Result<(), MeshFailure> {
-        let asked = self.of_file(from);
-        let mut n_made = 0;
+        let normals = self.of_file(from);
+        let mut n_computed = 0;
         for part in &mut scene.parts {
             let has_some = part.mesh.attribute(&Semantic::Normal).is_some() || part.mesh.faces().is_empty();
-            let Some(shading) = asked.shading(has_some, to) else { continue };
+            let Some(shading) = normals.shading(has_some, to) else { continue };
             part.mesh = with_normals(&part.mesh, from.topology(), shading).map_err(unsupported)?;
-            n_made += 1;
+            n_computed += 1;
         }
-        if n_made > 0 {
-            let how = if self == Self::Auto { Self::USUAL } else { self };
-            notes.push(format!("{COMPUTED}{how}").into());
+        if n_computed > 0 {
+            let name = if self == Self::Auto { Self::USUAL } else { self };
+            notes.push(format!("{COMPUTED}{name}").into());
         }
         Ok(())
     }
 
-    /// How normals were computed, by a note that [`Self::apply`] has added.
+    /// The method by which normals were computed, from a note that [`Self::apply`] has added.
     pub(crate) fn from_note(note: &str) -> Option<Self> {
         note.strip_prefix(COMPUTED)?.parse().ok()
     }
 
-    /// What triangles without normals get unless others are asked for.
+    /// The normals of triangles without any, unless others are requested.
     pub(crate) const USUAL: Self = Self::Crease { angle_deg: USUAL_CREASE_DEG };
 
     pub(crate) fn shading(self, has_some: bool, to: Format) -> Option<Shading> {
@@ -112,7 +112,7 @@ impl fmt::Display for Normals {
     }
 }
 
-/// A text that names no normals.
+/// A text that is not a name of normals.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidNormals(String);
 

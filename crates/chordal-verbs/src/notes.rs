@@ -1,33 +1,32 @@
-//! Notes of a report that several verbs make.
+//! Notes that several verbs add to a report.
 use crate::OutputForm;
 use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::lod::ReductionStats;
 use chordal_io::glb::GltfPacking;
-use chordal_io::{Format, Part, Scene};
+use chordal_io::{Part, Scene};
 
-/// What a bound of parts that a skin or morph targets move is of, and which skins could not be applied.
+/// Notes on parts that a skin or morph targets move: the pose to which the bound applies, and skins that were not applied.
 pub(crate) fn deformation_notes(scene: &Scene) -> Vec<Message> {
     if !scene.parts.iter().any(Part::is_deformed) {
         return Vec::new();
     }
     let mut notes: Vec<Message> = vec![
-        "the bound is of the rest pose, in which joints and default weights show the parts: animations move them \
-         afterwards"
+        "the bound is for the rest pose, by joints and default weights: animations move the parts afterwards"
             .into(),
     ];
     let poses = scene.rest_poses();
     let n_lacking = (0..scene.nodes.len()).filter(|node| poses.lacks_skin(*node)).count();
     if n_lacking > 0 {
-        let what = "a skin lacks joints or matrices: what it moves stands where its node places it";
+        let what = "a skin lacks joints or matrices: its part is shown where its node places it";
         notes.push(format!("{what} ({n_lacking}x)").into());
     }
     notes
 }
 
-/// What is said where the input is compressed or quantized and the output is not, though it could be.
+/// The note if the input is compressed or quantized and the output is not, though it could be.
 pub(crate) fn packing_note(stored: GltfPacking, form: OutputForm) -> Option<Message> {
     let OutputForm { format, packing } = form;
-    if !matches!(format, Format::Glb | Format::Gltf) {
+    if !format.is_gltf() {
         return None;
     }
     let unpacked = stored.is_compressed && !packing.is_compressed;
@@ -47,7 +46,7 @@ pub(crate) fn packing_note(stored: GltfPacking, form: OutputForm) -> Option<Mess
             compress(message).words(" compresses, and ").setting(Setting::Quantize).words(" rounds")
         }
     };
-    Some(message.words(" what is written"))
+    Some(message.words(" the output"))
 }
 
 /// Notes on the course of a simplification.
@@ -55,8 +54,8 @@ pub(crate) fn reduction_notes(stats: &ReductionStats) -> Vec<Message> {
     let mut notes: Vec<Message> = Vec::new();
     if stats.locked_vertices > 0 {
         notes.push(format!(
-            "where the mesh is not a manifold or wound against itself it stays as it is: {} fans of triangles; mend takes \
-             such places apart",
+            "where the mesh is not a manifold, or its winding is inconsistent, it stays as it is: {} fans of \
+             triangles; mend takes such places apart",
             stats.locked_vertices
         ).into());
     }
@@ -80,7 +79,7 @@ pub(crate) fn reduction_notes(stats: &ReductionStats) -> Vec<Message> {
     notes
 }
 
-/// What is said where all attempts to simplify failed.
+/// The note if all attempts to simplify failed.
 pub(crate) fn unsettled_note(stats: &ReductionStats) -> Option<Message> {
     let n = stats.unsettled_faces;
     let start = format!(
@@ -89,6 +88,6 @@ pub(crate) fn unsettled_note(stats: &ReductionStats) -> Option<Message> {
     let message = Message::from(start)
         .words("where triangles cross, as ")
         .setting(Setting::SelfIntersections)
-        .words(" of inspect tells, another length or a boolean union of the pieces helps");
+        .words(" of inspect shows, another length or a boolean union of the pieces helps");
     (n > 0).then_some(message)
 }

@@ -1,4 +1,4 @@
-//! Where an input comes from: what its own certificate proves of it.
+//! The origin of an input: the history that its own certificate proves.
 use crate::composed::Composed;
 use crate::geometry_digest::digest_in_frame;
 use crate::report::{HistoryFacts, HistoryStart, StepFacts};
@@ -6,26 +6,26 @@ use crate::seal::seal_of;
 use crate::volume::reaches_border;
 use crate::{Input, Shape};
 use chordal::convert::Inside;
-use chordal_io::{Axis, Format, Frame};
+use chordal_io::{Axis, Frame};
 use serde_json::Value;
 use std::sync::Arc;
 
-/// The steps that led to an input, or why none of them count.
+/// The steps that led to an input, or the reason why none of them count.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct InputOrigin {
     /// The steps, in order.
     pub steps: Vec<StepFacts>,
-    /// Why there are no earlier ones.
+    /// The reason why there are no earlier steps.
     pub begins: HistoryStart,
-    /// What the input was put together of, with the histories of these.
+    /// The inputs that the input was put together from, with their histories.
     pub composed: Option<Arc<Composed>>,
 }
 
 impl InputOrigin {
-    /// Reads the certificate of an input, and makes sure that it is one of this geometry.
+    /// Reads the certificate of an input, and checks that it is for this geometry.
     pub fn from_input(input: &Input) -> Self {
         if let Some(composed) = &input.composed {
-            let reason = "what was read was put together of parts, which have histories of their own";
+            let reason = "the input was put together from parts, which have histories of their own";
             let begins = HistoryStart::new("composed", reason);
             return Self { steps: Vec::new(), begins, composed: Some(Arc::clone(composed)) };
         }
@@ -68,7 +68,7 @@ fn history_of(input: &Input) -> Result<HistoryFacts, HistoryStart> {
         return stop("no-history", "the certificate of the input is of a version without histories");
     };
     if certificate.get("seal").and_then(Value::as_str) != Some(&seal_of(certificate)) {
-        return stop("seal", "the certificate of the input was edited: its seal does not fit");
+        return stop("seal", "the certificate of the input was edited: its seal does not match");
     }
     let Ok(history) = serde_json::from_value::<HistoryFacts>(history.clone()) else {
         return stop("unreadable", "the history in the certificate of the input cannot be read");
@@ -76,21 +76,20 @@ fn history_of(input: &Input) -> Result<HistoryFacts, HistoryStart> {
     let Some(last) = history.steps.last() else {
         return stop("unreadable", "the history in the certificate of the input has no step");
     };
-    // A history whose own numbers do not hold together proves nothing.
+    // A history with contradictory numbers proves nothing.
     if history.flaw().is_some() {
         return stop("unreadable", "the bounds in the history of the input do not add up");
     }
     let frame = stated_frame(certificate);
-    let found = digest_in_frame(&input.shape, input.format, &frame).ok().flatten();
-    if found.is_none() || found != last.output.geometry {
+    let digest = digest_in_frame(&input.shape, input.format, &frame).ok().flatten();
+    if digest.is_none() || digest != last.output.geometry {
         return stop(
             "geometry",
-            "the certificate of the input speaks of another geometry: the file was changed",
+            "the certificate of the input is for another geometry: the file was changed",
         );
     }
-    // What is read of a glTF is in metres, and the bounds are in units of the frame.
-    let is_scaled = matches!(input.format, Format::Glb | Format::Gltf)
-        && frame.metres_per_unit.is_some_and(|metres| metres != 1.0);
+    // Coordinates read from a glTF are in metres, and the bounds are in units of the frame.
+    let is_scaled = input.format.is_gltf() && frame.metres_per_unit.is_some_and(|metres| metres != 1.0);
     let (was, is) = (frame.metres_per_unit, input.shape.frame().metres_per_unit);
     if is_scaled || was.zip(is).is_some_and(|(was, is)| was != is) {
         let now = is.map_or("another".to_owned(), |metres| format!("{metres} m"));
@@ -108,7 +107,7 @@ fn history_of(input: &Input) -> Result<HistoryFacts, HistoryStart> {
             && surface.smooth.is_none();
         if !is_zero_set || reaches_border(&sampled.volume.grid, 0.0, Inside::Low) {
             let reason =
-                "the bounds of the input are of where its samples vanish, and another surface is meant";
+                "the bounds of the input are for the zero set of its samples, and another surface was chosen";
             return stop("surface", reason);
         }
     }

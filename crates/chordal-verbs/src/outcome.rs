@@ -9,7 +9,7 @@ use std::io::Write;
 pub enum Tessellation {
     /// Triangles.
     Triangles(Scene),
-    /// Polylines, for formats that hold those.
+    /// Polylines, for formats that hold them.
     Polylines(Polylines),
 }
 
@@ -27,7 +27,7 @@ pub struct MeshOutcome {
 }
 
 impl MeshOutcome {
-    /// The triangles, where there are some.
+    /// The triangles, if the tessellation has triangles.
     #[must_use]
     pub fn scene(&self) -> Option<&Scene> {
         match &self.made {
@@ -36,7 +36,7 @@ impl MeshOutcome {
         }
     }
 
-    /// The polylines, where there are some.
+    /// The polylines, if the tessellation has polylines.
     #[must_use]
     pub fn polylines(&self) -> Option<&Polylines> {
         match &self.made {
@@ -45,10 +45,10 @@ impl MeshOutcome {
         }
     }
 
-    /// Writes the tessellation, and the certificate where the format can carry it.
+    /// Writes the tessellation, with the certificate if the format can carry it.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let certificate = self.certificate.to_value();
         match &self.made {
@@ -59,11 +59,11 @@ impl MeshOutcome {
         }
     }
 
-    /// Writes the same as a document called `stem`, with what it names in files beside it where the format has
-    /// such files: see [`write_files`].
+    /// Writes the same as a document called `stem`, with the files that it names, if the format has such files: see
+    /// [`write_files`].
     ///
     /// # Errors
-    /// When the format cannot hold it.
+    /// If the format cannot hold it.
     pub fn write_files(&self, stem: &str) -> Result<FileSet<'_>, WriteError> {
         let certificate = self.certificate.to_value();
         match &self.made {
@@ -76,7 +76,7 @@ impl MeshOutcome {
         }
     }
 
-    /// Whether the format names files beside it for what was made: an OBJ its materials.
+    /// Whether the document names other files: an OBJ names its materials.
     #[must_use]
     pub fn names_files(&self) -> bool {
         let Tessellation::Triangles(scene) = &self.made else { return false };

@@ -1,10 +1,10 @@
-//! `OutputForm`: a format, and how its numbers are stored where it is glTF.
+//! `OutputForm`: a format, and how its numbers are stored if it is glTF.
 use chordal_io::Format;
 use chordal_io::glb::GltfPacking;
 
-/// The form of a file that a verb makes: its format, and how its numbers are packed where that is glTF.
+/// The form of a file that a verb writes: its format, and how its numbers are packed if that is glTF.
 ///
-/// What rounds numbers has to be known before a verb begins: the budget reserves it, and the bound covers it.
+/// The rounding has to be known before a verb begins: the budget reserves it, and the bound covers it.
 ///
 /// ```
 /// use chordal_io::{Format, glb::GltfPacking};
@@ -17,7 +17,7 @@ use chordal_io::glb::GltfPacking;
 pub struct OutputForm {
     /// The format.
     pub format: Format,
-    /// How glTF stores numbers; other formats have one way.
+    /// How glTF stores numbers; other formats have only one way.
     pub packing: GltfPacking,
 }
 
@@ -30,6 +30,6 @@ impl From<Format> for OutputForm {
 impl OutputForm {
     /// Whether numbers are rounded to fewer bits than the format has by itself.
     pub(crate) fn is_quantized(self) -> bool {
-        self.packing.is_quantized && matches!(self.format, Format::Glb | Format::Gltf)
+        self.packing.is_quantized && self.format.is_gltf()
     }
 }

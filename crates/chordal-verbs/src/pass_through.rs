@@ -14,19 +14,20 @@ use chordal::{Job, Mesh};
 use chordal_io::glb::{VertexStorage, round_deformation};
 use chordal_io::{Format, Scene, WriteError};
 
-/// Rounds the parts of a scene to the format, or to the lattices that fewer bits ask for, and applies the transforms where the format has no nodes.
+/// Rounds the parts of a scene to the format, or to lattices if the format is quantized, and applies the transforms if the
+/// format has no nodes.
 ///
 /// # Errors
-/// When a coordinate does not fit the format, or the nodes take it out of range.
+/// If a coordinate does not fit the format, or the nodes take it out of range.
 pub(crate) fn pass_through(
     scene: Scene,
     to: OutputForm,
     notes: &mut Vec<Message>,
 ) -> Result<(Scene, Bound), MeshFailure> {
     notes.extend(deformation_notes(&scene));
-    let placed = flatten::flatten_for(scene, to.format)?;
-    notes.extend(placed.note());
-    let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
+    let transformed = flatten::flatten_for(scene, to.format)?;
+    notes.extend(transformed.note());
+    let TransformedScene { mut scene, moved_at_most: transform_error, .. } = transformed;
     let stretch = placements::part_scales(&scene);
     let mut moved = 0.0;
     let mut n_collapsed = 0;
@@ -56,30 +57,35 @@ pub(crate) fn pass_through(
         let what = "triangles that are smaller than a step of 16 bits have two corners at one place now";
         notes.push(format!("{what} ({n_collapsed}x)").into());
     }
-    let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
-    if !all.is_finite() {
+    let total = if moved == 0.0 || transform_error == 0.0 {
+        moved + transform_error
+    } else {
+        add_up(moved, transform_error)
+    };
+    if !total.is_finite() {
         return Err(MeshFailure::refused(
             RefusalCode::NotFinite,
             "the transforms of the scene take its coordinates out of range",
         ));
     }
-    Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
+    Ok((scene, Bound::proved(0.0, total, Reference::InputTriangles)))
 }
 
-/// A mesh with its joints and morph targets as glTF holds them in that storage.
+/// A mesh with its joints and morph targets rounded as glTF stores them.
 pub(crate) fn rounded_deformation(
     mesh: Mesh,
     storage: Option<&VertexStorage>,
     to: Format,
 ) -> Result<Mesh, WriteError> {
-    let is_deformed = mesh.attributes().iter().any(|own| matches!(own.semantic, Semantic::Blended(_)));
-    if !is_deformed || !matches!(to, Format::Glb | Format::Gltf) {
+    let is_deformed =
+        mesh.attributes().iter().any(|attribute| matches!(attribute.semantic, Semantic::Blended(_)));
+    if !is_deformed || !to.is_gltf() {
         return Ok(mesh);
     }
     round_deformation(&mesh, storage).map_err(unsupported)
 }
 
-/// Triangles that have two corners at one place after rounding, and had not before.
+/// The number of triangles that have two corners at one point after rounding, and had not before.
 fn n_new_collapsed(before: &Mesh, after: &Mesh) -> usize {
     let is_collapsed = |[a, b, c]: [[f64; 3]; 3]| a == b || b == c || c == a;
     (0..after.faces().len())

@@ -1,4 +1,4 @@
-//! Where the nodes of a scene show its parts: how far their transforms stretch lengths, and what rounding costs them.
+//! The places at which the nodes of a scene show its parts: the stretch of their transforms, and the rounding these cause.
 use chordal::budget::Tolerance;
 use chordal::math::{
     Box3, Interval, add_up, div_down, greater, lesser, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
@@ -22,15 +22,14 @@ pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
     }
 }
 
-/// A length of the scene in the coordinates of a part that is scaled by `stretch`; `None` where nothing is left of
-/// it.
+/// A length of the scene in the coordinates of a part that is scaled by `stretch`; `None` if nothing is left of the length.
 pub(crate) fn length_in_part(length: f64, stretch: f64) -> Option<Tolerance> {
-    let own = (stretch > 0.0).then(|| div_down(length, stretch));
-    own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok())
+    let in_part = (stretch > 0.0).then(|| div_down(length, stretch));
+    in_part.filter(|in_part| *in_part > 0.0).and_then(|in_part| Tolerance::new(in_part).ok())
 }
 
-/// By part: the largest factor by which its transforms, or the joints of a skin, lengthen, over all placements; 0 for a
-/// part without any. Of a posed part it is that of a vertex whose joints stay.
+/// By part: the largest factor by which its transforms, or the joints of a skin, lengthen, over all placements; 0 for a part
+/// without placements. For a posed part the factor is that of a vertex whose joints stay.
 pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
     let mut stretch = vec![0.0; scene.parts.len()];
     for place in part_placements(scene) {
@@ -58,11 +57,11 @@ pub(crate) struct PartPlacement {
     magnitude: Matrix4,
     /// The largest factor by which the transforms together lengthen, rounded up.
     stretch: f64,
-    /// Where a skin or morph targets pose it: nothing of the transforms counts then, and `stretch` is that of the pose.
+    /// The pose by a skin or morph targets: then the transforms do not count, and `stretch` is that of the pose.
     posed: Option<PosedPlace>,
 }
 
-/// What is known of a part in its rest pose.
+/// The rounding and the box of a part in its rest pose.
 #[derive(Clone, Copy)]
 struct PosedPlace {
     rounding: f64,
@@ -70,7 +69,7 @@ struct PosedPlace {
 }
 
 impl PartPlacement {
-    /// Above all nodes.
+    /// The placement above all nodes.
     const OUTSIDE: Self = Self {
         node: 0,
         part: 0,
@@ -99,8 +98,7 @@ impl PartPlacement {
         }
     }
 
-    /// The same in the pose that a skin or morph targets give it, if they do. What leads out of range has no stretch that
-    /// is finite.
+    /// The placement in the pose by a skin or morph targets, if there are any. A pose out of range has an infinite stretch.
     fn in_rest_pose(self, poses: &RestPoses<'_>) -> Self {
         match poses.pose(self.node) {
             Ok(None) => self,
@@ -113,12 +111,12 @@ impl PartPlacement {
         }
     }
 
-    /// The largest factor by which it lengthens, rounded up.
+    /// The largest factor by which the placement lengthens, rounded up.
     pub fn stretch(&self) -> f64 {
         self.stretch
     }
 
-    /// How far the rounding of its transforms can move a vertex of the part.
+    /// The largest distance by which the rounding of its transforms can move a vertex of the part.
     pub fn rounding(&self, part: &Part) -> f64 {
         if let Some(posed) = &self.posed {
             return posed.rounding;
@@ -127,19 +125,19 @@ impl PartPlacement {
         if bounds.is_empty() { 0.0 } else { self.rounding_within(largest_reach(&bounds)) }
     }
 
-    /// How far the rounding of its transforms can move a point whose coordinates have no larger absolute values
-    /// than these.
+    /// The largest distance by which the rounding of its transforms can move a point with coordinates of at most these
+    /// absolute values.
     ///
-    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d
-    /// transforms are off by less than `7d` half steps, relative to the product of the absolute values. `8d`
-    /// whole steps cover that and the rounding of the estimate, which has as many operations.
+    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so the error of d
+    /// transforms is less than `7d` half steps, relative to the product of the absolute values. `8d` whole steps cover that
+    /// and the rounding of the estimate, which has as many operations.
     fn rounding_within(&self, reach: [f64; 3]) -> f64 {
         let m = &self.magnitude;
         let steps = 8.0 * f64::from(self.depth) * f64::EPSILON;
         let squares = (0..3).fold(0.0, |sum, row| {
             let largest = m[row] * reach[0] + m[4 + row] * reach[1] + m[8 + row] * reach[2] + m[12 + row];
-            let off = mul_up(largest, steps);
-            add_up(sum, mul_up(off, off))
+            let error = mul_up(largest, steps);
+            add_up(sum, mul_up(error, error))
         });
         sqrt_up(squares)
     }
@@ -155,7 +153,7 @@ pub(crate) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
     sqrt_up(add_up(add_up(squares[0], squares[1]), squares[2]))
 }
 
-/// The largest absolute values of coordinates in a box; of none, 0.
+/// The largest absolute values of coordinates in a box; 0 for an empty box.
 pub(crate) fn largest_reach(bounds: &Box3) -> [f64; 3] {
     if bounds.is_empty() {
         return [0.0; 3];
@@ -166,19 +164,19 @@ pub(crate) fn largest_reach(bounds: &Box3) -> [f64; 3] {
     })
 }
 
-/// How far the rounding of the nodes of a scene can move a vertex.
+/// The largest distance by which the rounding of the nodes of a scene can move a vertex.
 pub(crate) fn nodes_rounding(scene: &Scene) -> f64 {
     let moved = part_placements(scene).into_iter().filter(|place| !place.is_identity);
     moved.map(|place| place.rounding(&scene.parts[place.part])).fold(0.0, greater)
 }
 
-/// How far the rounding of a map can move a point whose coordinates have no larger absolute values than these.
+/// The largest distance by which the rounding of a map can move a point with coordinates of at most these absolute values.
 pub(crate) fn map_rounding(map: &Matrix4, reach: [f64; 3]) -> f64 {
     let place = PartPlacement::OUTSIDE.compose(0, map, 0);
     if place.is_identity { 0.0 } else { place.rounding_within(reach) }
 }
 
-/// Two maps as one, the first after the second, and how far it takes such a point from where both would.
+/// The product of two maps, the first after the second, and the largest distance by which its rounding moves such a point.
 pub(crate) fn as_one_map(after: &Matrix4, map: &Matrix4, reach: [f64; 3]) -> (Matrix4, f64) {
     if *after == IDENTITY || *map == IDENTITY {
         return (if *after == IDENTITY { *map } else { *after }, 0.0);
@@ -188,10 +186,10 @@ pub(crate) fn as_one_map(after: &Matrix4, map: &Matrix4, reach: [f64; 3]) -> (Ma
     (product(after, map), place.rounding_within(reach))
 }
 
-/// All placements in the order of the tree, as [`Scene::world_meshes`] gives them, by walking the scene from its
-/// roots with an explicit stack. Readers make sure that nodes are a forest.
+/// All placements in the order of the tree, as in [`Scene::world_meshes`], by walking the scene from its roots with an
+/// explicit stack. Readers guarantee that the nodes are a forest.
 pub(crate) fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
-    let mut found = Vec::new();
+    let mut placements = Vec::new();
     let mut open: Vec<(usize, std::rc::Rc<PartPlacement>)> = Vec::new();
     let outside = std::rc::Rc::new(PartPlacement::OUTSIDE);
     let poses = scene.rest_poses();
@@ -200,19 +198,19 @@ pub(crate) fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
         let node = &scene.nodes[index];
         let here = std::rc::Rc::new(parent.compose(index, &node.matrix, 0));
         if let Some(part) = node.part {
-            found.push(PartPlacement { part, ..*here }.in_rest_pose(&poses));
+            placements.push(PartPlacement { part, ..*here }.in_rest_pose(&poses));
         }
         open.extend(node.children.iter().rev().map(|child| (*child, here.clone())));
     }
-    found
+    placements
 }
 
 fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
     std::array::from_fn(|i| (0..4).map(|k| a[4 * k + i % 4] * b[i / 4 * 4 + k]).sum())
 }
 
-/// An upper bound of the largest factor by which the linear part M lengthens, 1 for a rotation but for rounding: no
-/// eigenvalue of MᵀM exceeds the largest sum of absolute values in a row of it, nor its trace.
+/// An upper bound for the largest factor by which the linear part M lengthens; 1 for a rotation, up to rounding. No
+/// eigenvalue of MᵀM exceeds the largest sum of absolute values in one of its rows, nor its trace.
 pub(crate) fn largest_stretch(m: &Matrix4) -> f64 {
     if is_translation(m) {
         return 1.0;
@@ -224,8 +222,8 @@ pub(crate) fn largest_stretch(m: &Matrix4) -> f64 {
     sqrt_up(lesser(rows, trace))
 }
 
-/// A lower bound of the smallest factor by which the linear part M lengthens, 1 for a rotation but for rounding: no
-/// eigenvalue of MᵀM is less than an entry of its diagonal without the absolute values of the others in its row
+/// A lower bound for the smallest factor by which the linear part M lengthens; 1 for a rotation, up to rounding. No
+/// eigenvalue of MᵀM is less than the smallest entry of its diagonal minus the absolute values of the others in its row
 /// (Gershgorin).
 pub(crate) fn smallest_stretch(m: &Matrix4) -> f64 {
     if is_translation(m) {
@@ -239,7 +237,7 @@ pub(crate) fn smallest_stretch(m: &Matrix4) -> f64 {
     sqrt_down(greater(least, 0.0))
 }
 
-/// The entry of MᵀM of that row and column, enclosed.
+/// The entry of MᵀM in a row and a column, enclosed.
 fn dot_of(m: &Matrix4, a: usize, b: usize) -> Interval {
     let terms = [0, 1, 2].map(|k| Interval::point(m[4 * a + k]) * Interval::point(m[4 * b + k]));
     terms[0] + terms[1] + terms[2]
@@ -249,12 +247,12 @@ fn size_of(entry: Interval) -> f64 {
     greater(entry.lo().abs(), entry.hi().abs())
 }
 
-/// Whether it lengthens nothing, exactly.
+/// Whether the linear part is exactly the identity.
 fn is_translation(m: &Matrix4) -> bool {
     m[..12] == IDENTITY[..12]
 }
 
-/// Where a node shows its part.
+/// The placement of a node's part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NodePlacement {
     /// The largest factor by which its transforms lengthen, rounded up.
@@ -263,12 +261,12 @@ pub(crate) struct NodePlacement {
     pub size: f64,
 }
 
-/// By node: where it shows a part; `None` for other nodes, and for those that no scene shows.
+/// By node: its placement; `None` for nodes without a part, and for nodes that no scene shows.
 pub(crate) fn node_placements(scene: &Scene) -> Vec<Option<NodePlacement>> {
-    let mut found = vec![None; scene.nodes.len()];
+    let mut placements = vec![None; scene.nodes.len()];
     for PartPlacement { node, part, matrix, stretch, posed, .. } in part_placements(scene) {
         if let Some(PosedPlace { bounds, .. }) = posed {
-            found[node] = Some(NodePlacement { stretch, size: bounds.diagonal() });
+            placements[node] = Some(NodePlacement { stretch, size: bounds.diagonal() });
             continue;
         }
         let bounds = scene.parts[part].mesh.bounds();
@@ -280,21 +278,21 @@ pub(crate) fn node_placements(scene: &Scene) -> Vec<Option<NodePlacement>> {
         };
         let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(diagonal);
         let size = diagonals.into_iter().fold(0.0, |most, size| greater(size, most));
-        found[node] = Some(NodePlacement { stretch, size });
+        placements[node] = Some(NodePlacement { stretch, size });
     }
-    found
+    placements
 }
 
 /// The part of each placement, in the order of [`Scene::world_meshes`].
 pub(crate) fn parts_in_order(scene: &Scene) -> Vec<usize> {
-    let mut found = Vec::new();
+    let mut parts = Vec::new();
     let mut open: Vec<usize> = scene.roots.iter().rev().copied().collect();
     while let Some(node) = open.pop() {
         let node = &scene.nodes[node];
-        found.extend(node.part);
+        parts.extend(node.part);
         open.extend(node.children.iter().rev());
     }
-    found
+    parts
 }
 
 /// The number of triangles in a scene, counted once for each placement.
@@ -308,34 +306,34 @@ pub(crate) fn n_places(scene: &Scene) -> usize {
     parts_in_order(scene).len()
 }
 
-/// By part: a box around each of its placements in world coordinates, rounding included, and whether it has a
-/// single placement without a transform.
+/// By part: a box around each of its placements in world coordinates, rounding included, and whether it has a single
+/// placement without a transform.
 ///
 /// # Errors
 /// As [`one_mesh`].
 pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, WriteError> {
-    let mut found = vec![(Vec::new(), true); scene.parts.len()];
+    let mut parts = vec![(Vec::new(), true); scene.parts.len()];
     for ((_, mesh), part) in scene.world_meshes()?.into_iter().zip(parts_in_order(scene)) {
-        found[part].0.push(mesh.bounds());
+        parts[part].0.push(mesh.bounds());
     }
     for place in part_placements(scene) {
-        let (boxes, is_as_it_is) = &mut found[place.part];
+        let (boxes, is_as_it_is) = &mut parts[place.part];
         *is_as_it_is &= place.is_identity && boxes.len() == 1;
         if !place.is_identity {
-            // All placements of the part, since they come in another order; a box may only be too large.
-            let off = place.rounding(&scene.parts[place.part]);
-            boxes.iter_mut().for_each(|place| *place = pad_box(place, off));
+            // Grows the boxes of all placements of the part, since the order is not the same; a box may be too large.
+            let rounding = place.rounding(&scene.parts[place.part]);
+            boxes.iter_mut().for_each(|place| *place = pad_box(place, rounding));
         }
     }
-    Ok(found)
+    Ok(parts)
 }
 
 /// A box grown by a length on every side, rounded outward.
-pub(crate) fn pad_box(place: &Box3, off: f64) -> Box3 {
-    if off == 0.0 {
+pub(crate) fn pad_box(place: &Box3, length: f64) -> Box3 {
+    if length == 0.0 {
         return *place;
     }
-    Box3 { min: place.min.map(|x| sub_down(x, off)), max: place.max.map(|x| add_up(x, off)) }
+    Box3 { min: place.min.map(|x| sub_down(x, length)), max: place.max.map(|x| add_up(x, length)) }
 }
 
 #[cfg(test)]

@@ -53,11 +53,12 @@ pub(crate) fn contour_field(
     if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
         return Err(MeshFailure::refused(RefusalCode::Unsupported, endless()));
     }
-    let within = SlackRequest::new(&field, request)?;
-    let made = convert::field_to_polyline(&field, &within.inner.budget, job).or_else(Failure::best_effort)?;
-    let (bound, counted) = within.count(made.bound);
-    certificate.warned.extend(counted.clone().filter(|note| note.starts_with(NOT_COUNTED)));
-    certificate.notes.extend(counted);
+    let slack = SlackRequest::new(&field, request)?;
+    let converted =
+        convert::field_to_polyline(&field, &slack.inner.budget, job).or_else(Failure::best_effort)?;
+    let (bound, note) = slack.count(converted.bound);
+    certificate.warned.extend(note.clone().filter(|note| note.starts_with(NOT_COUNTED)));
+    certificate.notes.extend(note);
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max].map(|corner| [corner[0], corner[1]]);
         certificate.notes.push(
@@ -65,9 +66,9 @@ pub(crate) fn contour_field(
                 .into(),
         );
     }
-    // SVG's y grows downwards: the drawing stands upright where y is negated, which is exact.
+    // SVG's y grows downwards: negating y, which is exact, keeps the drawing upright.
     let y_down = request.to == Format::Svg;
-    let mut lines = made.shape;
+    let mut lines = converted.shape;
     if y_down {
         lines.iter_mut().flat_map(|line| &mut line.points).for_each(|point| point[1] = -point[1]);
         certificate.notes.push("y is negated, for it grows downwards in svg".into());
@@ -96,8 +97,8 @@ fn cut<const D: usize>(
     request: &MeshRequest,
     job: &Job,
 ) -> Result<(PathSet<Polyline<D>>, Bound), MeshFailure> {
-    let made = convert::curves_to_polylines(&drawn.lines, &request.budget, job, request.spacing)
+    let flattened = convert::curves_to_polylines(&drawn.lines, &request.budget, job, request.spacing)
         .or_else(Failure::best_effort)?;
-    let Bounded { shape, bound } = made;
+    let Bounded { shape, bound } = flattened;
     Ok((drawn.with_lines(shape), bound))
 }

@@ -1,4 +1,4 @@
-//! The repairs that `inspect` recommends: they were tried on the triangles, and helped.
+//! The repairs that `inspect` recommends: repairs that helped when they were tried on the triangles.
 use crate::mend::{RepairStep, trial_steps};
 use crate::placements::part_scales;
 use chordal::Job;
@@ -8,17 +8,16 @@ use chordal::check::findings::MeshConnectivity;
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene};
 
-/// The options of `chordal mend` that help a scene read from a file of that format, in the order of
-/// application; `None` where the job was stopped.
+/// The options of `chordal mend` that help a scene read from a file of that format, in the order of application; `None` if
+/// the job was stopped.
 ///
-/// Each is tried on the result of the ones before. It is recommended if it changes something, leaves
-/// triangles, and makes no kind of fault more frequent, except those that it may expose ([`may_expose`]) and
-/// that later ones repair. So every recommended repair changes something, and following the recommendations
-/// terminates.
+/// Each repair is tried on the result of the ones before. It is recommended if it changes something, leaves triangles, and
+/// makes no kind of fault more frequent, except faults that it may expose ([`may_expose`]) and that later repairs remove. So
+/// every recommended repair changes something, and following the recommendations terminates.
 ///
-/// Splitting a surface is not recommended where the format ties equal positions again.
+/// Splitting a surface is not recommended if the format ties equal positions again.
 ///
-/// Cost: that of the repairs that are tried, and two validity checks each; nothing for valid triangles.
+/// Cost: the repairs that are tried, and two validity checks each; nothing for valid triangles.
 pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Option<Vec<Cure>> {
     let mut trial = RepairTrial {
         scene: scene.clone(),
@@ -31,9 +30,9 @@ pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Opt
     let ties = format.topology() == Topology::Positions;
     for cure in trial_steps() {
         let skipped = match cure {
-            // Such a format has nothing to weld, and ties what is split.
+            // Such a format ties equal positions, so that there is nothing to weld, and splits are lost.
             RepairStep::Weld(_) | RepairStep::SplitNonManifold => ties,
-            // A crack along T-junctions is no hole, and a one-sided piece has no inside to close.
+            // A crack along T-junctions is not a hole, and a one-sided piece has no inside to close.
             RepairStep::FillHoles(_) => trial.count(Defect::TJunctions) > 0 || !trial.is_orientable(),
             _ => false,
         };
@@ -44,7 +43,7 @@ pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Opt
     Some(Cure::ALL.into_iter().filter(|cure| trial.cures.contains(cure)).collect())
 }
 
-/// The triangles between repairs.
+/// The state of the triangles between repairs.
 struct RepairTrial {
     scene: Scene,
     /// By part: the largest factor by which its nodes lengthen.
@@ -56,7 +55,7 @@ struct RepairTrial {
     cures: Vec<Cure>,
 }
 
-/// Faults that no repair may make more frequent. Duplicate vertices and slivers are remarks, and the others
+/// Faults that no repair may make more frequent. Duplicate vertices and slivers are only remarks, and the other defects
 /// take a search.
 const FAULTS: [Defect; 9] = [
     Defect::BoundaryEdges,
@@ -70,14 +69,14 @@ const FAULTS: [Defect; 9] = [
     Defect::UnusedVertices,
 ];
 
-/// Whether a repair may expose a defect that was there before, hidden by what the repair removes.
+/// Whether a repair may expose a defect that was there before, hidden by a defect that the repair removes.
 fn may_expose(cure: RepairStep, defect: Defect) -> bool {
     match defect {
-        // Copies of a three-face edge become boundaries; a face that is dropped, or cut, leaves its edges.
+        // Copies of an edge with three faces become boundaries; a face that is dropped, or cut, leaves its edges open.
         Defect::BoundaryEdges => {
             !matches!(cure, RepairStep::Weld(_) | RepairStep::Orient(_) | RepairStep::FillHoles(_))
         }
-        // At an edge with three faces consistency is undefined.
+        // At an edge with three faces, consistency is not defined.
         Defect::InconsistentEdges => {
             matches!(
                 cure,
@@ -86,7 +85,7 @@ fn may_expose(cure: RepairStep, defect: Defect) -> bool {
                     | RepairStep::ResolveTJunctions(_)
             )
         }
-        // A face between equal points has no area before as after, but by indices it is not called collapsed.
+        // A face between equal points has no area before and after, but without tied indices it does not count as collapsed.
         Defect::CollapsedFaces => matches!(cure, RepairStep::Weld(_)),
         Defect::UnusedVertices => matches!(cure, RepairStep::DropDuplicates(_) | RepairStep::DropDegenerate),
         _ => false,
@@ -94,7 +93,7 @@ fn may_expose(cure: RepairStep, defect: Defect) -> bool {
 }
 
 impl RepairTrial {
-    /// Applies a repair, and reverts it where it does not help. `None` where the job was stopped.
+    /// Applies a repair, and reverts it if it does not help. `None` if the job was stopped.
     fn attempt(&mut self, cure: RepairStep, job: &Job) -> Option<()> {
         let (mut scene, mut topologies) = (self.scene.clone(), self.topologies.clone());
         let (facts, _) = cure.apply(&mut scene, &self.stretch, &mut topologies, job).ok()?;
@@ -119,28 +118,28 @@ impl RepairTrial {
     }
 
     fn count(&self, defect: Defect) -> u64 {
-        FAULTS.iter().zip(&self.faults).find(|(of, _)| **of == defect).map_or(0, |(_, count)| *count)
+        FAULTS.iter().zip(&self.faults).find(|(fault, _)| **fault == defect).map_or(0, |(_, count)| *count)
     }
 
     fn count_faults(&self) -> Vec<u64> {
-        let mut all = vec![0; FAULTS.len()];
+        let mut totals = vec![0; FAULTS.len()];
         for (part, topology) in self.scene.parts.iter().zip(&self.topologies) {
             let surface = MeshConnectivity::new(&part.mesh, *topology);
-            let found = surface.validity();
+            let validity = surface.validity();
             let counts = [
-                found.boundary_edges.count,
-                found.non_manifold_edges.count,
-                found.non_manifold_vertices.count,
+                validity.boundary_edges.count,
+                validity.non_manifold_edges.count,
+                validity.non_manifold_vertices.count,
                 surface.t_junctions(None).count,
-                found.inconsistent_edges.count,
-                found.duplicate_faces.count,
-                found.collapsed_faces.count,
-                found.zero_area_faces.count,
-                found.unused_vertices.count,
+                validity.inconsistent_edges.count,
+                validity.duplicate_faces.count,
+                validity.collapsed_faces.count,
+                validity.zero_area_faces.count,
+                validity.unused_vertices.count,
             ];
-            all.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+            totals.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
         }
-        all
+        totals
     }
 
     fn is_orientable(&self) -> bool {

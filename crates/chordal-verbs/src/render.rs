@@ -45,16 +45,16 @@ pub struct RenderOutcome {
 }
 
 impl RenderOutcome {
-    /// Writes the picture, with the certificate as the text that the format has for that.
+    /// Writes the picture, with the certificate as a text field of the format.
     ///
     /// # Errors
-    /// When the format does not hold so many pixels; when the sink fails.
+    /// If the format does not hold so many pixels, or the sink fails.
     pub fn write(&self, format: PictureFormat, mut out: &mut dyn Write) -> Result<(), WriteError> {
-        let told = self.told();
-        format.write(&self.picture, &told.each_ref().map(|(name, text)| (*name, text.as_str())), &mut out)
+        let fields = self.told();
+        format.write(&self.picture, &fields.each_ref().map(|(name, text)| (*name, text.as_str())), &mut out)
     }
 
-    /// What a file says of the picture, name by name: what wrote it, and the certificate.
+    /// The text fields of the file, with their names: the program that wrote it, and the certificate.
     #[must_use]
     pub fn told(&self) -> [(&'static str, String); 2] {
         let software = format!("chordal {}", self.certificate.version);
@@ -62,28 +62,27 @@ impl RenderOutcome {
     }
 }
 
-/// How finely a smooth shape is meshed for a picture.
+/// The tolerance within which a smooth shape is meshed for a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PictureTolerance {
-    /// Within so many pixels of the picture.
+    /// Within this number of pixels of the picture.
     Pixels(Pixels),
     /// Within a length.
     Length(Length),
 }
 
-/// Renders a shape. The up axis comes from the shape's frame, and is z where that is unknown.
+/// Renders a shape. The up axis comes from the shape's frame, and is z if that is unknown.
 ///
-/// [`RenderStyle::Overshade`] also counts what a graphics processor shades, for the certificate; a field has
-/// no triangles to count.
+/// [`RenderStyle::Overshade`] also counts the pixels that a graphics processor shades, for the certificate; a field has no
+/// triangles to count.
 ///
-/// A smooth shape is meshed within `fineness` or, by default, within half a pixel of this very picture, and
-/// the certificate holds the distance from the triangles to the true shape. Where the eye is so close that no
-/// length is half a pixel, the default is a hundredth of a percent of the diagonal, and a note says so. A volume
-/// is shown by the surface that its [`crate::SurfaceSpec`] chooses, by default at the resolution of its lattice.
+/// A smooth shape is meshed within `fineness` or, by default, within half a pixel of this picture, and the certificate holds
+/// the distance from the triangles to the true shape. If the eye is so close that no length is half a pixel, the default is
+/// a hundredth of a percent of the diagonal, and a note says so. A volume is shown by the surface that its
+/// [`crate::SurfaceSpec`] chooses, by default at the resolution of its lattice.
 ///
 /// # Errors
-/// As for [`crate::mesh`]; also when the camera is invalid, or picture and triangles need more memory than
-/// the job allows.
+/// As for [`crate::mesh`]; also if the camera is invalid, or picture and triangles need more memory than the job allows.
 ///
 /// ```
 /// use chordal::render::RenderOptions;
@@ -108,48 +107,48 @@ pub fn render(
             draw_mesh(&mesh, &options, certificate, job)
         }
         Shape::Field(field) if convert::has_meshes(&field.field) => {
-            let asked = RenderRequest { options, fineness, shape: &input.shape };
-            draw_meshed_field(field, &asked, certificate, job)
+            let request = RenderRequest { options, fineness, shape: &input.shape };
+            draw_meshed_field(field, &request, certificate, job)
         }
         Shape::Field(field) => draw_field(field, &options, certificate, job),
         Shape::Volume(sampled) => {
-            let asked = RenderRequest { options, fineness, shape: &input.shape };
-            draw_volume(sampled, &asked, certificate, job)
+            let request = RenderRequest { options, fineness, shape: &input.shape };
+            draw_volume(sampled, &request, certificate, job)
         }
         Shape::Curves(_) => {
             let message = "curves in space have no surface to take a picture of".to_owned();
             Err(MeshFailure::refused(RefusalCode::Unsupported, message))
         }
         Shape::Drawing(drawing) => {
-            let asked = RenderRequest { options, fineness, shape: &input.shape };
-            draw_filled_regions(drawing, &asked, certificate, job)
+            let request = RenderRequest { options, fineness, shape: &input.shape };
+            draw_filled_regions(drawing, &request, certificate, job)
         }
         Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Cage(_) => {
             let camera = camera_for(&input.shape, &options, job)?;
-            let PictureMesh { made, budget, note } =
+            let PictureMesh { mesh, budget, note } =
                 mesh_for(&input.shape, fineness, &CameraShot { camera, job })?;
             certificate.notes.extend(note);
             certificate.budget = Some(BudgetFacts::new(&budget));
-            certificate.bound = Some(BoundFacts::new(&made.bound));
+            certificate.bound = Some(BoundFacts::new(&mesh.bound));
             let options = RenderOptions { viewpoint: Viewpoint::Camera(camera), ..options };
-            draw_mesh(&made.shape, &options, certificate, job)
+            draw_mesh(&mesh.shape, &options, certificate, job)
         }
     }
 }
 
-/// The surface of a volume at the lattice's own resolution, or within what was asked for.
+/// The surface of a volume at the lattice's own resolution, or within the requested tolerance.
 fn draw_volume(
     sampled: &VolumeShape,
-    asked: &RenderRequest,
+    request: &RenderRequest,
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    let mut options = asked.options;
-    let budget = match asked.fineness {
+    let mut options = request.options;
+    let budget = match request.fineness {
         None => None,
         Some(PictureTolerance::Length(length)) => {
             let spec = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
-            let (budget, note) = spec.resolve(asked.shape)?;
+            let (budget, note) = spec.resolve(request.shape)?;
             certificate.notes.extend(note);
             Some(budget)
         }
@@ -171,7 +170,7 @@ fn draw_volume(
     draw_mesh(&*merged_parts::one_mesh(&scene)?, &options, certificate, job)
 }
 
-/// Renders a field directly, clipped to its region; the certificate's notes say how reliable its rays are.
+/// Renders a field directly, clipped to its region; the certificate's notes state how reliable its rays are.
 fn draw_field(
     shape: &ImplicitShape,
     options: &RenderOptions,
@@ -185,8 +184,8 @@ fn draw_field(
     })?;
     let BeamCounts { beams, uncertain, capped, .. } = drawn.counts;
     certificate.notes.push(format!(
-        "the picture is made straight from the field: of {beams} rays {uncertain} passed something that nothing \
-         clears, {capped} of them ended at the most steps; hits and misses are measured, not proved"
+        "the picture is ray traced from the field itself: of {beams} rays {uncertain} passed a place that is not \
+         proved free, {capped} of them stopped at the step limit; hits and misses are measured, not proved"
     ).into());
     Ok(RenderOutcome {
         picture: drawn.picture,
@@ -197,22 +196,22 @@ fn draw_field(
     })
 }
 
-/// The triangles of a field with meshes, which rays would pass too slowly.
+/// The triangles of a field with meshes, for which rays are too slow.
 fn draw_meshed_field(
     shape: &ImplicitShape,
-    asked: &RenderRequest,
+    request: &RenderRequest,
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
     let field = field::finite(shape)?;
     let mesh = |budget: &Budget| convert::field_to_mesh(&field, budget, job).map_err(missed);
-    let mut options = asked.options;
-    let coarse = fraction_of_diagonal(asked.shape, MESHED)?;
-    let budget = match asked.fineness {
+    let mut options = request.options;
+    let coarse = fraction_of_diagonal(request.shape, MESHED)?;
+    let budget = match request.fineness {
         None => coarse,
         Some(PictureTolerance::Length(length)) => {
             let spec = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
-            let (budget, note) = spec.resolve(asked.shape)?;
+            let (budget, note) = spec.resolve(request.shape)?;
             certificate.notes.extend(note);
             budget
         }
@@ -225,15 +224,15 @@ fn draw_meshed_field(
             Budget::pixels(pixels, View::Camera(camera))
         }
     };
-    let made = mesh(&budget)?;
+    let meshed = mesh(&budget)?;
     certificate.budget = Some(BudgetFacts::new(&budget));
-    certificate.bound = Some(BoundFacts::new(&made.bound));
-    draw_mesh(&made.shape, &options, certificate, job)
+    certificate.bound = Some(BoundFacts::new(&meshed.bound));
+    draw_mesh(&meshed.shape, &options, certificate, job)
 }
 
-/// Renders a shape coloured by its distance from another one, darkest at `darkest` or else at the largest
-/// distance. The certificate's bound is that of [`crate::deviation`] between the two. A percentage is one of
-/// the diagonal of `against`.
+/// Renders a shape coloured by its distance from another one, darkest at `darkest` or else at the largest distance. The
+/// certificate's bound is that of [`crate::deviation`] between the two. Percentages are relative to the diagonal of
+/// `against`.
 ///
 /// Smooth shapes are meshed as finely as their distance needs.
 ///
@@ -257,10 +256,10 @@ pub fn render_against(
         None => None,
     };
     let pair = ComparedPair::from_shapes([input.shape, against.shape], &mut certificate, job)?;
-    let found = pair.measure(&Goal::default(), job)?;
-    certificate.bound = Some(BoundFacts::new(&found.bound));
-    let most = darkest.map_or(found.forward.at_most, Tolerance::get);
-    let [mesh, other] = pair.meshes(&found, job)?;
+    let measured = pair.measure(&Goal::default(), job)?;
+    certificate.bound = Some(BoundFacts::new(&measured.bound));
+    let most = darkest.map_or(measured.forward.at_most, Tolerance::get);
+    let [mesh, other] = pair.meshes(&measured, job)?;
     certificate.output = Some(Output::Triangles(TriangleFacts::from_mesh(&mesh, Topology::Indices)));
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame(&mesh, options.up, screen),
@@ -271,10 +270,10 @@ pub fn render_against(
     Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most), back_share })
 }
 
-/// Renders the paths of a drawing with their curvature combs. A note of the certificate says how long the teeth are.
+/// Renders the paths of a drawing with their curvature combs. A note of the certificate states the scale of the teeth.
 ///
 /// # Errors
-/// For what is no drawing; as for [`chordal::render::render_comb`].
+/// If the shape is not a drawing; as for [`chordal::render::render_comb`].
 pub fn render_comb(input: &Input, options: &RenderOptions, job: &Job) -> Result<RenderOutcome, MeshFailure> {
     let Shape::Drawing(drawing) = &input.shape else {
         let message = format!(
@@ -284,18 +283,18 @@ pub fn render_comb(input: &Input, options: &RenderOptions, job: &Job) -> Result<
         return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
     };
     let paths = drawing_regions::upright(drawing);
-    let made = draw_comb(&paths, options, job)?;
+    let comb = draw_comb(&paths, options, job)?;
     let mut certificate = Certificate::from_input(input);
     certificate.notes.push(
         format!(
             "teeth are as long as the curvature times {:.3e}; the largest curvature of a tooth is {:.3e}",
-            made.scale, made.most
+            comb.scale, comb.most
         )
         .into(),
     );
     Ok(RenderOutcome {
-        picture: made.picture,
-        camera: made.camera,
+        picture: comb.picture,
+        camera: comb.camera,
         certificate,
         darkest: None,
         back_share: None,
@@ -304,8 +303,8 @@ pub fn render_comb(input: &Input, options: &RenderOptions, job: &Job) -> Result<
 
 /// The fraction of triangles that back-face culling would save.
 fn back_share(mesh: &Mesh, camera: &Camera) -> Option<f64> {
-    let from_a_point = matches!(camera.projection, Projection::Perspective { .. });
-    from_a_point.then(|| facing(mesh, camera.eye).back_share())
+    let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
+    is_perspective.then(|| facing(mesh, camera.eye).back_share())
 }
 
 /// The parameters of a picture.
@@ -318,39 +317,39 @@ struct RenderRequest<'a> {
 /// The filled regions of a drawing, seen from straight above unless a camera is given.
 fn draw_filled_regions(
     drawing: &Drawing,
-    asked: &RenderRequest,
+    request: &RenderRequest,
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
     let filling =
         FilledRegions::from_drawing(drawing, &mut certificate.notes).map_err(MeshFailure::Refused)?;
-    let camera = match asked.options.viewpoint {
+    let camera = match request.options.viewpoint {
         Viewpoint::Camera(camera) => camera,
         Viewpoint::Automatic(screen) => camera_above(&filling.bounds, screen),
     };
-    let (budget, note) = match asked.fineness {
+    let (budget, note) = match request.fineness {
         Some(PictureTolerance::Length(length)) => {
-            BudgetSpec { length: Some(length), ..BudgetSpec::default() }.resolve(asked.shape)?
+            BudgetSpec { length: Some(length), ..BudgetSpec::default() }.resolve(request.shape)?
         }
         Some(PictureTolerance::Pixels(pixels)) => (Budget::pixels(pixels, View::Camera(camera)), None),
         None => match Pixels::new(UNSEEN_PX) {
             Ok(pixels) => (Budget::pixels(pixels, View::Camera(camera)), None),
-            Err(_) => (fraction_of_diagonal(asked.shape, CLOSE_UP)?, Some(TOO_CLOSE.into())),
+            Err(_) => (fraction_of_diagonal(request.shape, CLOSE_UP)?, Some(TOO_CLOSE.into())),
         },
     };
     certificate.notes.extend(note);
-    let made = convert::outlines_to_mesh(&filling.outlines, &budget, job).map_err(missed)?;
+    let mesh = convert::outlines_to_mesh(&filling.outlines, &budget, job).map_err(missed)?;
     certificate.frame = FrameFacts::new(&filling.frame);
     certificate.budget = Some(BudgetFacts::new(&budget));
-    certificate.bound = Some(BoundFacts::new(&made.bound));
-    let options = RenderOptions { viewpoint: Viewpoint::Camera(camera), up: UpAxis::Y, ..asked.options };
-    draw_mesh(&made.shape, &options, certificate, job)
+    certificate.bound = Some(BoundFacts::new(&mesh.bound));
+    let options = RenderOptions { viewpoint: Viewpoint::Camera(camera), up: UpAxis::Y, ..request.options };
+    draw_mesh(&mesh.shape, &options, certificate, job)
 }
 
-/// The fraction of the picture that a drawing spans.
+/// The fraction of the picture that a drawing spans. Chosen: leaves a narrow margin.
 const FRAMED: f64 = 0.92;
 
-/// Parallel rays along −z onto the whole box.
+/// A camera with parallel rays along −z that sees the whole box.
 fn camera_above(bounds: &Box3, screen: Screen) -> Camera {
     let middle = |k: usize| bounds.min[k] / 2.0 + bounds.max[k] / 2.0;
     let size = |k: usize| bounds.max[k] - bounds.min[k];
@@ -387,14 +386,14 @@ fn draw_mesh(
         Viewpoint::Camera(camera) => camera,
     };
     let picture = if options.show == RenderStyle::Overshade {
-        let (picture, found) = render_overshade(mesh, options, job)?;
+        let (picture, counts) = render_overshade(mesh, options, job)?;
         let sides = match options.cull {
             CullMode::None => HitSides::Both,
             CullMode::Back => HitSides::Front,
             CullMode::Front => HitSides::Back,
         };
         let flicker = check::shading::flicker(mesh, &camera, sides, job)?;
-        certificate.overshade = Some(OvershadeFacts::new(&found, &flicker, &camera, sides));
+        certificate.overshade = Some(OvershadeFacts::new(&counts, &flicker, &camera, sides));
         picture
     } else {
         trace(mesh, options, job)?
@@ -405,7 +404,7 @@ fn draw_mesh(
 
 /// Triangles of patches or of the limit surface of a cage.
 fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
-    let made = match shape {
+    let mesh = match shape {
         Shape::Patches { patches, .. } => convert::patches_to_mesh(patches, budget, job),
         Shape::Surfaces { surfaces, .. } => convert::trimmed_surfaces_to_mesh(surfaces, budget, job),
         Shape::Cage(polygons) => chordal::convert::cage_to_mesh(&polygons.cage, budget, job),
@@ -414,10 +413,10 @@ fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>
             Err(Failure::refused(RefusalCode::Unsupported, message))
         }
     };
-    made.map_err(missed)
+    mesh.map_err(missed)
 }
 
-/// Why there is no mesh for a picture, for which a worse one would not do.
+/// The failure of meshing for a picture; a coarser mesh would not do.
 fn missed(failure: Failure<Mesh>) -> MeshFailure {
     MeshFailure::from_missed(failure, "the budget was not met; the best reached is ")
 }
@@ -432,22 +431,22 @@ fn camera_for(shape: &Shape, options: &RenderOptions, job: &Job) -> Result<Camer
     Ok(frame(&mesh, options.up, screen))
 }
 
-/// A fraction of the diagonal: fine enough to frame a shape in a picture with a margin, and fast to mesh.
+/// A fraction of the diagonal. Chosen: fine enough to frame a shape in a picture with a margin, and fast to mesh.
 const COARSE: f64 = 0.002;
-/// The fraction of the diagonal within which a field with meshes is meshed for a picture, unless said: some pixels of the
+/// The default fraction of the diagonal within which a field with meshes is meshed for a picture. Chosen: some pixels of the
 /// usual screen.
 const MESHED: f64 = 0.005;
-/// The triangle budget of a shape so small that it has no diagonal.
+/// The triangle budget of a shape so small that it has no diagonal. Chosen: more triangles would not be seen.
 const FEW: u64 = 10_000;
-/// An error in pixels that is invisible at the edges of an antialiased picture.
+/// An error in pixels that is invisible at the edges of an antialiased picture. Chosen: half a pixel.
 const UNSEEN_PX: f64 = 0.5;
-/// The fraction of the diagonal where the eye is too close for pixels: half a pixel of a picture 5,000 pixels
-/// wide that shows all.
+/// The fraction of the diagonal if the eye is too close for pixels. Derived: half a pixel of a picture 5,000 pixels wide
+/// that shows all of the shape.
 const CLOSE_UP: f64 = 1e-4;
 
-/// The triangles of a picture, their budget, and a note where that budget is unusual.
+/// The triangles of a picture, their budget, and a note if that budget is unusual.
 struct PictureMesh {
-    made: Bounded<Mesh>,
+    mesh: Bounded<Mesh>,
     budget: Budget,
     note: Option<Message>,
 }
@@ -463,18 +462,18 @@ fn mesh_for(
     fineness: Option<PictureTolerance>,
     shot: &CameraShot,
 ) -> Result<PictureMesh, MeshFailure> {
-    let made = |(budget, note): (Budget, Option<Message>)| {
-        Ok(PictureMesh { made: tessellate(shape, &budget, shot.job)?, budget, note })
+    let build = |(budget, note): (Budget, Option<Message>)| {
+        Ok(PictureMesh { mesh: tessellate(shape, &budget, shot.job)?, budget, note })
     };
     let at_camera = |pixels| Budget::pixels(pixels, View::Camera(shot.camera));
     match fineness {
-        Some(PictureTolerance::Pixels(pixels)) => made((at_camera(pixels), None)),
+        Some(PictureTolerance::Pixels(pixels)) => build((at_camera(pixels), None)),
         Some(PictureTolerance::Length(length)) => {
-            made(BudgetSpec { length: Some(length), ..BudgetSpec::default() }.resolve(shape)?)
+            build(BudgetSpec { length: Some(length), ..BudgetSpec::default() }.resolve(shape)?)
         }
-        None => match Pixels::new(UNSEEN_PX).map(|pixels| made((at_camera(pixels), None))) {
+        None => match Pixels::new(UNSEEN_PX).map(|pixels| build((at_camera(pixels), None))) {
             Ok(Err(MeshFailure::Refused(Refusal { code: RefusalCode::TooClose, .. }))) | Err(_) => {
-                made((fraction_of_diagonal(shape, CLOSE_UP)?, Some(TOO_CLOSE.into())))
+                build((fraction_of_diagonal(shape, CLOSE_UP)?, Some(TOO_CLOSE.into())))
             }
             Ok(meshed) => meshed,
         },
@@ -482,7 +481,7 @@ fn mesh_for(
 }
 
 const TOO_CLOSE: &str =
-    "the eye is too close for a bound in pixels: the mesh is made to 0.01% of the diagonal instead";
+    "the eye is too close for a bound in pixels: the mesh is within 0.01% of the diagonal instead";
 
 /// A fraction of the diagonal as a budget; a shape so small that it has no diagonal gets a few triangles.
 fn fraction_of_diagonal(shape: &Shape, share: f64) -> Result<Budget, MeshFailure> {

@@ -17,7 +17,7 @@ pub(crate) struct MeshRequest {
     pub budget: Budget,
     pub to: Format,
     pub packing: GltfPacking,
-    /// The lattice of positions, where the file is quantized and the budget leaves room for it.
+    /// The lattice of positions, if the file is quantized and the budget leaves room for it.
     pub lattice: Option<PositionLattice>,
     /// The bounding box of the shape.
     pub bounds: Box3,
@@ -25,7 +25,7 @@ pub(crate) struct MeshRequest {
     reach: Box3,
     /// How segment ends are spaced on curves.
     pub spacing: Spacing,
-    /// How much work a count of triangles is worth where triangles are simplified.
+    /// The work that a triangle count is worth when triangles are simplified.
     pub effort: Effort,
 }
 
@@ -57,12 +57,11 @@ impl MeshRequest {
         OutputForm { format: self.to, packing: self.packing }
     }
 
-    /// Runs a conversion so that the budget holds for what a reader of the file gets. The possible rounding
-    /// to the format is reserved first, the conversion runs within the rest, and the bound adds the actual
-    /// rounding.
+    /// Runs a conversion so that the budget holds for the file as a reader gets it: first reserves the possible
+    /// rounding to the format, then runs the conversion within the rest, and adds the actual rounding to the bound.
     ///
-    /// Where the budget is missed, the result is the best that was reached; `finish.rs` judges whether the
-    /// whole is within the budget.
+    /// If the budget is missed, returns the best result that was reached; `finish.rs` checks the total against the
+    /// budget.
     ///
     /// # Errors
     /// When rounding alone may exceed the budget; as for the conversion.
@@ -71,8 +70,8 @@ impl MeshRequest {
         job: &Job,
         arrow: impl FnOnce(&Budget) -> Result<Bounded<Mesh>, Failure<Mesh>>,
     ) -> Result<Bounded<Mesh>, MeshFailure> {
-        let made = arrow(&self.reserve_rounding(self.rounding())?).or_else(Failure::best_effort)?;
-        self.snap(&made.shape, made.bound, job)
+        let converted = arrow(&self.reserve_rounding(self.rounding())?).or_else(Failure::best_effort)?;
+        self.snap(&converted.shape, converted.bound, job)
     }
 
     /// The same request for a box grown by the rounding of evaluated points.
@@ -80,7 +79,7 @@ impl MeshRequest {
         Self { bounds: self.reach, ..self }
     }
 
-    /// The same request for what may leave the box by a length.
+    /// The same request for a shape that may leave the box by a length.
     #[cfg(feature = "booleans")]
     pub fn with_reach(self, length: f64) -> Self {
         let Box3 { min, max } = self.reach;
@@ -99,23 +98,23 @@ impl MeshRequest {
         Self { budget, ..self }
     }
 
-    /// The most that rounding to the format moves a point of the result.
+    /// The largest distance by which rounding to the format moves a point of the result.
     pub fn rounding(&self) -> f64 {
         RoundingTarget::new(self.to, self.lattice).worst(&self.reach)
     }
 
-    /// The budget of a conversion: the user's, less the length that rounding to the format may cost.
+    /// The budget of a conversion: the user's, less the length that rounding to the format may take.
     ///
     /// # Errors
-    /// When nothing is left of it, or the shape reaches the eye.
+    /// If nothing is left of it, or the shape reaches the eye.
     pub fn reserve_rounding(&self, lost: f64) -> Result<Budget, MeshFailure> {
         let Self { budget, to, bounds, .. } = self;
         if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
             return Ok(*budget);
         }
-        let too_small = |asked: String, lost: String| {
+        let too_small = |requested: String, lost: String| {
             let message = format!(
-                "{asked} is less than what rounding to the single precision of {to} may cost here, {lost}; \
+                "{requested} is less than what rounding to the single precision of {to} may cost here, {lost}; \
                  {} keep every digit",
                 in_words(&names_where(Format::keeps_every_digit), "and")
             );
@@ -133,9 +132,9 @@ impl MeshRequest {
                     "the shape comes so close to the eye that there is no bound in pixels",
                 )
             })?;
-            // What is left may be less than what is lost, where the sum is more than theirs.
-            let both = view.pixels_of_two_steps(pixels.get(), lost_px).unwrap_or(f64::INFINITY);
-            let left = Pixels::new(sub_down(pixels.get(), sub_up(both, pixels.get())));
+            // The pixels of two steps may be more than their sum, so that subtracting `lost_px` is not enough.
+            let sum = view.pixels_of_two_steps(pixels.get(), lost_px).unwrap_or(f64::INFINITY);
+            let left = Pixels::new(sub_down(pixels.get(), sub_up(sum, pixels.get())));
             let pixels = left.map_err(|_| too_small(pixels.to_string(), format!("{lost_px:.3e}px")))?;
             inner.pixels = Some(PixelBudget { pixels, view });
         }
@@ -149,10 +148,10 @@ impl MeshRequest {
     }
 }
 
-/// The box grown by the rounding of evaluated points, which may leave the hull of their control points: an
-/// evaluation has less than 32 roundings of half a step each.
+/// The box grown by the rounding of evaluated points, which may leave the hull of their control points: an evaluation
+/// has fewer than 32 roundings of half a step each.
 fn widen_box(bounds: &Box3) -> Box3 {
     let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(x.abs(), most));
-    let room = 16.0 * f64::EPSILON * reach;
-    Box3 { min: bounds.min.map(|x| x - room), max: bounds.max.map(|x| x + room) }
+    let margin = 16.0 * f64::EPSILON * reach;
+    Box3 { min: bounds.min.map(|x| x - margin), max: bounds.max.map(|x| x + margin) }
 }

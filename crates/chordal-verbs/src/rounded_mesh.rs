@@ -1,4 +1,4 @@
-//! `snap_with_bound`: a mesh at the positions that a format holds, with the bound that covers the rounding.
+//! `snap_with_bound`: rounds a mesh to the positions of a format, with a bound that covers the rounding.
 use crate::MeshFailure;
 use crate::format_rounding::RoundingTarget;
 use chordal::budget::{Bound, Bounded, PixelBudget, Reference};
@@ -7,10 +7,10 @@ use chordal::{Job, Mesh, mend};
 
 /// Rounds a mesh to the precision of a format, or to a lattice, and adds the displacement to the bound.
 ///
-/// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from
-/// there to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the
-/// surface closed; where one covers what nothing else is near, all of them stay. Sheets that come nearer to each other than the
-/// format's digits tell apart are kept apart by the last of them, so that a manifold stays one.
+/// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from there to the
+/// rounded point. Faces that rounding left without area are dropped, and their neighbours keep the surface closed; if a
+/// face covers points that no other face is near, all of them stay. Sheets that are nearer to each other than the format's
+/// digits can represent are kept apart by the last digit, so that a manifold stays a manifold.
 pub(crate) fn snap_with_bound(
     mesh: &Mesh,
     bound: Bound,
@@ -22,19 +22,19 @@ pub(crate) fn snap_with_bound(
     if snapped.moved_at_most == 0.0 {
         return Ok(Bounded { shape: snapped.mesh, bound });
     }
-    let mut whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
-    // What rounding flattened is no farther from its neighbours than it moved: a face that is had no area before.
-    if whole.bound.at_most().is_none_or(|most| most > snapped.moved_at_most) {
-        whole.bound = Bound::exact(Reference::InputTriangles);
-        whole.mesh = snapped.mesh;
+    let mut cleaned = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
+    // A face flattened by rounding is no farther from its neighbours than it moved; a face that is had no area before.
+    if cleaned.bound.at_most().is_none_or(|most| most > snapped.moved_at_most) {
+        cleaned.bound = Bound::exact(Reference::InputTriangles);
+        cleaned.mesh = snapped.mesh;
     }
-    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
+    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&cleaned.bound);
     let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
     let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
     let mut chain = bound.then(&step);
     // The rounding of normals is negligible at realistic angles.
     chain.angle_deg = bound.angle_deg;
-    let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
-    chain.pixels = pixels.and_then(both);
-    Ok(Bounded { shape: whole.mesh, bound: chain })
+    let two_steps = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
+    chain.pixels = pixels.and_then(two_steps);
+    Ok(Bounded { shape: cleaned.mesh, bound: chain })
 }

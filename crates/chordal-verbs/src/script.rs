@@ -3,7 +3,7 @@ use crate::Shape;
 use chordal::Job;
 use chordal_io::{FileOpener, Limits, ReadError, Warning};
 
-/// What a script is run with.
+/// The conditions under which a script runs.
 #[cfg_attr(
     not(feature = "script"),
     expect(dead_code, reason = "builds without the interpreter refuse scripts")
@@ -50,8 +50,8 @@ pub(crate) fn shape(
         parameters.map(|p| Parameter { name: p.name, default: p.default, value: p.value }).collect();
     let mut warnings: Vec<Warning> = Vec::new();
     for warning in script.warnings {
-        if let Some(known) = warnings.iter_mut().find(|known| known.code == warning.code) {
-            known.count += 1;
+        if let Some(earlier) = warnings.iter_mut().find(|earlier| earlier.code == warning.code) {
+            earlier.count += 1;
             continue;
         }
         let (line, column) = warning.place;
@@ -62,7 +62,7 @@ pub(crate) fn shape(
     warnings.extend(read.warnings);
     let frame = read.frame.unwrap_or_default();
     for line in script.said {
-        // Each line is one of its own.
+        // Equal lines are not merged: each is an output of its own.
         warnings.push(Warning {
             code: "script-said",
             count: 1,

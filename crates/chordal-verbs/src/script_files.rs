@@ -1,4 +1,4 @@
-//! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a shell.
+//! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a front end.
 use crate::Shape;
 use crate::drawing_to_field::drawing_to_field;
 use crate::file_extension::extension;
@@ -12,12 +12,12 @@ use chordal_io::{Content, FileLocation, FileOpener, Format, Frame, Limits, Scene
 use chordal_script::{FileUse, FontText, OpenedFile, ScriptFiles};
 use std::cell::RefCell;
 
-/// What was read so far.
+/// The files that were read so far.
 #[derive(Default)]
 pub(crate) struct FilesRead {
-    /// What is to be said of them.
+    /// The warnings about them.
     pub warnings: Vec<Warning>,
-    /// The frame of the first mesh that says anything.
+    /// The frame of the first mesh that has one.
     pub frame: Option<Frame>,
     n_bytes: u64,
 }
@@ -58,7 +58,7 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
         let content =
             chordal_io::unpacked(&bytes, by_name, self.limits).map_err(|error| error.to_string())?;
         let format = by_name.or_else(|| Format::sniff(&content)).filter(|format| *format != Format::Star);
-        let format = format.ok_or_else(|| "this is no file of triangles".to_owned())?;
+        let format = format.ok_or_else(|| "this is not a file of triangles".to_owned())?;
         // Polygons are taken as their triangles.
         let limits = Limits { surface: None, ..*self.limits };
         let loaded = chordal_io::read(&content, format, &limits).map_err(|error| error.to_string())?;
@@ -66,7 +66,7 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
             return Err(format!("this {format} holds no triangles: mesh it first"));
         };
         let frame = scene.frame;
-        let made = scene_to_field(scene, job).map_err(|error| error.to_string())?;
+        let converted = scene_to_field(scene, job).map_err(|error| error.to_string())?;
         let mut read = self.read.borrow_mut();
         let warn = |code: &'static str, what: String| Warning {
             code,
@@ -74,22 +74,22 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
             place: FileLocation::File,
             message: format!("{path}: {what}").into(),
         };
-        let told: Vec<Warning> = loaded
+        let warnings: Vec<Warning> = loaded
             .warnings
             .iter()
             .map(|warning| Warning { count: warning.count, ..warn(warning.code, warning.to_string()) })
             .collect();
-        read.warnings.extend(told);
-        read.warnings.extend(made.notes.into_iter().map(|(code, what)| warn(code, what)));
+        read.warnings.extend(warnings);
+        read.warnings.extend(converted.notes.into_iter().map(|(code, what)| warn(code, what)));
         match read.frame {
-            Some(known) if known != frame => {
-                let what = "its unit or its axes are others than those of the first mesh: coordinates are taken as they are";
+            Some(first) if first != frame => {
+                let what = "its unit or its axes differ from those of the first mesh: coordinates are taken as they are";
                 read.warnings.push(warn("frames-differ", what.to_owned()));
             }
             Some(_) => {}
             None => read.frame = Some(frame),
         }
-        Ok(made.field)
+        Ok(converted.field)
     }
 }
 
@@ -121,9 +121,9 @@ impl ScriptFiles for FilesBeside<'_, '_> {
     }
 }
 
-/// What a drawing fills, as one shape of the plane.
+/// The filled regions of a drawing, as one shape of the plane.
 fn drawing(content: Content, tolerance: f64, job: &Job) -> Result<OpenedFile, String> {
-    let Content::Drawing(drawing) = content else { return Err("it is no drawing".to_owned()) };
+    let Content::Drawing(drawing) = content else { return Err("it is not a drawing".to_owned()) };
     let tolerance = Tolerance::new(tolerance).map_err(|error| error.to_string())?;
     let (field, sentences) = drawing_to_field(&drawing, tolerance, job)?;
     Ok(OpenedFile::Shape(field, sentences))
@@ -137,8 +137,8 @@ fn heights(greys: &Greys, solid: HeightSolid, job: &Job) -> Result<OpenedFile, S
     }
     let upwards: Vec<f64> = greys.values.chunks(columns as usize).rev().flatten().copied().collect();
     let mesh = heights_to_mesh(&upwards, [columns, rows], solid).map_err(|error| error.to_string())?;
-    let made = scene_to_field(Scene::from_mesh("heights", mesh, Frame::default()), job);
-    let made = made.map_err(|error| error.to_string())?;
-    let notes = made.notes.into_iter().map(|(_, note)| note).collect();
-    Ok(OpenedFile::Shape(made.field, notes))
+    let converted = scene_to_field(Scene::from_mesh("heights", mesh, Frame::default()), job);
+    let converted = converted.map_err(|error| error.to_string())?;
+    let notes = converted.notes.into_iter().map(|(_, note)| note).collect();
+    Ok(OpenedFile::Shape(converted.field, notes))
 }

@@ -1,13 +1,13 @@
-//! The seal of a certificate: a digest of all that it says. It finds an edit by mistake, and is no signature:
-//! whoever edits on purpose can seal again.
+//! The seal of a certificate: a digest of all its values. It detects accidental edits, and is not a signature: after an
+//! edit on purpose, anybody can seal again.
 use crate::digest::sha256;
 use serde_json::{Map, Number, Value};
 
 /// The key of the seal in a certificate.
 pub(crate) const SEAL: &str = "seal";
 
-/// The SHA-256 of a certificate's canonical JSON without its seal: keys in order, no spaces, whole numbers without
-/// a point and others in their shortest form, so that tools that write the same values otherwise do not break it.
+/// The SHA-256 of a certificate's canonical JSON without its seal: keys in order, no spaces, whole numbers without a point
+/// and others in their shortest form. So tools that write the same values in another form do not break it.
 ///
 /// ```
 /// use chordal_verbs::seal_of;
@@ -62,14 +62,14 @@ fn add_object(text: &mut String, map: &Map<String, Value>, counts: &dyn Fn(&str)
     text.push('}');
 }
 
-/// A number in its shortest form, however it was written: others write 1e-07 for 1e-7.
+/// A number in its shortest form, however it was written: other programs write 1e-07 for 1e-7.
 fn shortest(number: &Number) -> String {
     let is_integer = number.is_u64() || number.is_i64();
     let same = number.as_f64().filter(|_| !is_integer).and_then(Number::from_f64);
     same.as_ref().unwrap_or(number).to_string()
 }
 
-/// Whether a number is whole and exact as an i64: below 2⁵³, defined by doubles.
+/// Whether a number is whole and exact as an i64. Defined: doubles below 2⁵³ are.
 fn is_whole(x: f64) -> bool {
     x.fract() == 0.0 && x.abs() < 9_007_199_254_740_992.0
 }

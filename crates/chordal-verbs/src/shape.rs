@@ -70,7 +70,7 @@ impl Shape {
         }
     }
 
-    /// The same in the plural, for sentences.
+    /// The kind in the plural, for sentences.
     #[must_use]
     pub fn kinds(&self) -> &'static str {
         match self {
@@ -103,7 +103,7 @@ impl Shape {
         }
     }
 
-    /// The frame, to add what a file does not state.
+    /// The frame, to add facts that a file does not state.
     pub fn frame_mut(&mut self) -> &mut Frame {
         match self {
             Self::Patches { frame, .. } | Self::Surfaces { frame, .. } => frame,
@@ -120,7 +120,7 @@ impl Shape {
     /// vertices. A drawing lies in the plane z = 0.
     ///
     /// # Errors
-    /// When the nodes of a scene are no tree, or take its coordinates out of range.
+    /// If the nodes of a scene are not a tree, or take its coordinates out of range.
     pub fn bounds(&self) -> Result<Box3, WriteError> {
         match self {
             Self::Patches { patches, .. } => {
@@ -142,11 +142,11 @@ impl Shape {
         }
     }
 
-    /// The diagonal of the shape's own box, bounded from below, so that a percentage of it is never more than
-    /// requested. 0 where the box is a point or so small that nothing is left below.
+    /// A lower bound for the diagonal of the shape's own box, so that a percentage of it is never more than requested.
+    /// 0 if the box is a point, or so small that rounding may be all of it.
     ///
-    /// For triangles the box is exact. A patch or curve is sampled, since its box can be much smaller than
-    /// that of its control points; what a sample misses makes the result smaller, never larger.
+    /// For triangles the box is exact. A patch or curve is sampled, since its box can be much smaller than that of its
+    /// control points; samples can only make the result too small, never too large.
     ///
     /// # Errors
     /// As for [`Shape::bounds`].
@@ -154,9 +154,8 @@ impl Shape {
         match self {
             Self::Patches { patches, .. } => {
                 let reach = patches.iter().fold(0.0, |most, p| greater(p.size(), most));
-                // An evaluated coordinate is a sum of 16 terms with four roundings each and four sums on the
-                // way: it is off by less than 12 half steps of the largest control coordinate. 16 whole ones
-                // cover it.
+                // An evaluated coordinate is a sum of 16 terms with four roundings each and four sums on the way: its
+                // error is less than 12 half steps of the largest control coordinate. 16 whole steps cover it.
                 Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
             Self::Surfaces { surfaces, .. } => Ok(surfaces_diagonal(surfaces)),
@@ -164,7 +163,7 @@ impl Shape {
             Self::Cage(polygons) => Ok(diagonal_below(&cage_size::inner_box(polygons), 0.0)),
             Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
-            // The box may be larger than the shape. The extent of its surface is known once it is meshed.
+            // The box may be larger than the shape. The extent of its surface is known only after meshing.
             Self::Field(field) => Ok(diagonal_below(&field.bounds(), 0.0)),
             Self::Volume(sampled) => {
                 let bounds = sampled.bounds();
@@ -177,33 +176,35 @@ impl Shape {
     }
 }
 
-/// A lower bound of the diagonal of surfaces, by samples of them.
+/// A lower bound for the diagonal of surfaces, from samples of them.
 fn surfaces_diagonal(surfaces: &[TrimmedSurface]) -> f64 {
     let samples: Vec<[f64; 3]> = surfaces.iter().flat_map(|face| face.samples(SAMPLES as usize)).collect();
     let sampled = Box3::from_points(&samples);
     let bounds = surfaces.iter().fold(Box3::EMPTY, |hull, surface| hull.union(surface.bounds()));
     let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| greater(x.abs(), most));
-    // An evaluated coordinate is a weighted mean of control points, in less than 8 steps of 3 roundings for each degree,
-    // of which there are 60 at most in both directions, and a quotient. The exact surface may be as far off as its slack.
+    // An evaluated coordinate is a weighted mean of control points, in fewer than 8 steps of 3 roundings for each degree
+    // (at most 60 in both directions together), and a quotient. The exact surface may be farther off by the slack.
     let slack = surfaces.iter().fold(0.0, |most: f64, face| greater(face.surface().slack(), most));
     diagonal_below(&sampled, add_up(slack, mul_up(2048.0 * f64::EPSILON, reach)))
 }
 
-/// Samples along one side of a patch.
+/// Samples along one side of a patch. Chosen: more samples bring the lower bound closer to the diagonal.
 const SAMPLES: u32 = 16;
 
-/// The box of points on the patches: all corners, and a lattice on those patches that could extend it.
+/// The box of points on the patches: all corners, and a lattice on the patches that could extend it.
 fn sampled_box(patches: &[Patch]) -> Box3 {
     let corners = |patch: &Patch| [(0, 0), (0, 3), (3, 0), (3, 3)].map(|(i, j)| patch.control[i][j]);
-    let known = patches.iter().fold(Box3::EMPTY, |all, patch| all.union(Box3::from_points(&corners(patch))));
-    patches.iter().fold(known, |known, patch| {
+    let sampled =
+        patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(Box3::from_points(&corners(patch))));
+    patches.iter().fold(sampled, |sampled, patch| {
         let hull = patch.bounds();
-        if hull.is_empty() || known.contains(hull.min) && known.contains(hull.max) {
-            return known;
+        if hull.is_empty() || sampled.contains(hull.min) && sampled.contains(hull.max) {
+            return sampled;
         }
         let at = |i: u32| f64::from(i) / f64::from(SAMPLES);
-        (0..=SAMPLES)
-            .fold(known, |known, i| (0..=SAMPLES).fold(known, |known, j| known.with(patch.at(at(i), at(j)))))
+        (0..=SAMPLES).fold(sampled, |sampled, i| {
+            (0..=SAMPLES).fold(sampled, |sampled, j| sampled.with(patch.at(at(i), at(j))))
+        })
     })
 }
 
@@ -219,25 +220,24 @@ fn hull_of<const D: usize>(curves: &[Curve<D>]) -> Box3 {
     })
 }
 
-/// The diagonal of the box of points on the curves: the ends of all pieces, and samples of those that could
-/// extend it.
+/// The diagonal of the box of points on the curves: the ends of all pieces, and samples of the pieces that could extend it.
 fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
     let pieces = || curves.iter().flat_map(|curve| curve.segments());
-    let known = curves.iter().fold(Box3::EMPTY, |all, curve| all.with(in_space(curve.start())));
-    let known = pieces().fold(known, |all, piece| all.with(in_space(piece.end())));
-    let sampled = pieces().fold(known, |known, piece| {
+    let ends = curves.iter().fold(Box3::EMPTY, |hull, curve| hull.with(in_space(curve.start())));
+    let ends = pieces().fold(ends, |hull, piece| hull.with(in_space(piece.end())));
+    let sampled = pieces().fold(ends, |sampled, piece| {
         let [low, high] = piece.bounds().map(in_space);
-        if matches!(piece, CurveSegment::Line(_)) || known.contains(low) && known.contains(high) {
-            return known;
+        if matches!(piece, CurveSegment::Line(_)) || sampled.contains(low) && sampled.contains(high) {
+            return sampled;
         }
         let at = |i: u32| f64::from(i) / f64::from(4 * SAMPLES);
-        (1..4 * SAMPLES).fold(known, |known, i| known.with(in_space(piece.at(at(i)))))
+        (1..4 * SAMPLES).fold(sampled, |sampled, i| sampled.with(in_space(piece.at(at(i)))))
     });
     let hull = hull_of(curves);
     let reach = hull.min.iter().chain(&hull.max).fold(0.0, |most: f64, x| greater(x.abs(), most));
-    // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc's takes
-    // sine and cosine, and is off by less than its own slack and 16 steps of its reach; a rational piece's takes 3
-    // for each of 30 degrees at most.
+    // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc takes a sine and a
+    // cosine, and its error is less than its own slack and 16 steps of its reach; a rational piece takes 3 roundings for
+    // each degree, of which there are at most 30.
     let slack = |piece: &CurveSegment<D>| if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
     let more = |most: f64, x: f64| greater(x, most);
     let of_arcs = pieces().map(slack).fold(0.0, more);
@@ -245,12 +245,12 @@ fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
     diagonal_below(&sampled, add_up(add_up(of_arcs, of_curves), mul_up(512.0 * f64::EPSILON, reach)))
 }
 
-/// A lower bound of a box's diagonal, when each of its faces may lie up to `off` too far out.
-fn diagonal_below(bounds: &Box3, off: f64) -> f64 {
+/// A lower bound for a box's diagonal, if each of its faces may be up to `error` too far out.
+fn diagonal_below(bounds: &Box3, error: f64) -> f64 {
     if bounds.is_empty() {
         return 0.0;
     }
-    let slack = add_up(off, off);
+    let slack = add_up(error, error);
     let side: [f64; 3] = std::array::from_fn(|k| {
         let side = sub_down(sub_down(bounds.max[k], bounds.min[k]), slack);
         greater(side, 0.0)
@@ -259,11 +259,11 @@ fn diagonal_below(bounds: &Box3, off: f64) -> f64 {
     if longest <= 0.0 || longest == f64::INFINITY {
         return 0.0;
     }
-    // Scaled by the longest side, so that squares neither overflow nor vanish.
+    // Scaled by the longest side, so that squares neither overflow nor underflow.
     let squares = side.map(|side| (side / longest).next_down()).map(|s| mul_down(s, s));
     let sum = squares.into_iter().fold(0.0, |sum, s| if s > 0.0 { (sum + s).next_down() } else { sum });
     let diagonal = mul_down(longest, sqrt_down(sum));
-    // A single side is its own diagonal, which the scaled form only approaches from below.
+    // If a single side is not 0, it is the diagonal itself, which the scaled form only approaches from below.
     greater(diagonal, longest)
 }
 

@@ -1,4 +1,4 @@
-//! `ShownParts`: how far parts that change are from what they were, where the scene shows them.
+//! `ShownParts`: the distance of changed parts from the original ones, as the scene shows them.
 use crate::MeshFailure;
 use crate::placements::{
     IDENTITY, Matrix4, distance_up, largest_reach, largest_stretch, map_rounding, scaled_up,
@@ -10,13 +10,13 @@ use chordal::math::{add_up, greater, lesser, sub_down};
 use chordal::{Job, Mesh};
 use chordal_io::{RestPose, RestPoses, Scene};
 
-/// Where a scene shows its parts. The scene is that from before they change.
+/// The placements and poses of the parts of a scene before they change.
 ///
-/// A transform stretches a bound by a factor. A skin poses each vertex by a map of its own, so that a bound between
-/// meshes says little of their poses: these are compared.
+/// A transform stretches a bound by a factor. A skin poses each vertex by a map of its own, so that a bound between meshes
+/// is of little use for their poses: these are compared directly.
 pub(crate) struct ShownParts<'a> {
     poses: RestPoses<'a>,
-    /// By part: the nodes that show it in a pose, and the largest factor by which others lengthen it; 0 without any.
+    /// By part: the nodes that show it in a pose, and the largest factor by which other nodes lengthen it; 0 without any.
     places: Vec<(Vec<usize>, f64)>,
 }
 
@@ -39,20 +39,21 @@ impl<'a> ShownParts<'a> {
         self.places.get(part).is_some_and(|(posed, _)| !posed.is_empty())
     }
 
-    /// The mesh of a part as the first node shows it that poses it.
+    /// The pose of a part's mesh at the first node that poses it.
     ///
     /// # Errors
-    /// For another mesh than that of the part.
+    /// If the mesh is not that of the part.
     pub fn first_pose(&self, part: usize, mesh: &Mesh) -> Result<Option<RestPose>, MeshFailure> {
         let Some((posed, _)) = self.places.get(part) else { return Ok(None) };
         let Some(node) = posed.first() else { return Ok(None) };
         Ok(self.poses.pose_of(*node, mesh)?)
     }
 
-    /// How far a part is at most from what it was before, wherever the scene shows it, given how far it is at most in its
-    /// own coordinates. `limit` is the length that decides on something, if any: more than it may be rough.
+    /// A bound for the distance of a part from the original one, wherever the scene shows it, given the bound `own` in its
+    /// own coordinates. `limit` is the length for which the result decides something, if any: above it, the bound may be
+    /// rough.
     ///
-    /// Cost: where all joints together move a part as one map does, linear in its vertices; else that of
+    /// Cost: linear in the vertices, if all joints together move a part nearly as one map does; otherwise that of
     /// [`check::deviation`] for each node.
     pub fn moved(
         &self,
@@ -73,32 +74,33 @@ impl<'a> ShownParts<'a> {
     }
 }
 
-/// The name of the attribute that has the positions of a file where a mesh stands in its pose.
+/// The name of the attribute that holds the positions of the file while a mesh is in its pose.
 const OWN_POSITIONS: &str = "own positions";
 
-/// A mesh as a pose shows it, with its own positions as an attribute.
+/// A mesh in a pose, with its own positions as an attribute.
 pub(crate) fn in_pose(mesh: &Mesh, pose: &RestPose) -> Result<Mesh, InvalidMesh> {
-    let own = Attribute {
+    let own_positions = Attribute {
         semantic: Semantic::Blended(OWN_POSITIONS.to_owned()),
         domain: Domain::Vertex,
         width: 3,
         values: mesh.positions().iter().flatten().copied().collect(),
     };
-    mesh.with_positions(pose.positions.clone())?.with_attribute(own)
+    mesh.with_positions(pose.positions.clone())?.with_attribute(own_positions)
 }
 
-/// Such a mesh at its own positions again.
+/// The inverse of [`in_pose`]: the mesh at its own positions again.
 pub(crate) fn out_of_pose(posed: &Mesh) -> Result<Mesh, InvalidMesh> {
     let semantic = Semantic::Blended(OWN_POSITIONS.to_owned());
     let is_own = |attribute: &&Attribute| attribute.semantic == semantic;
-    let own = posed.attributes().iter().find(is_own).map_or(&[][..], |own| &own.values);
-    let positions = own.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    let own_positions =
+        posed.attributes().iter().find(is_own).map_or(&[][..], |own_positions| &own_positions.values);
+    let positions = own_positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
     posed
         .with_only(posed.attributes().iter().filter(|attribute| !is_own(attribute)).cloned())?
         .with_positions(positions)
 }
 
-/// How far two meshes are apart in their poses, at most.
+/// A bound for the distance between two meshes in their poses.
 fn moved_in_pose(
     [(before, was), (after, is)]: [(&Mesh, &RestPose); 2],
     own: f64,
@@ -106,48 +108,48 @@ fn moved_in_pose(
 ) -> Result<f64, MeshFailure> {
     let rounding = add_up(was.rounding, is.rounding);
     let by_vertex = moved_by_vertex([(before, was), (after, is)]).map(|moved| add_up(moved, rounding));
-    // 1. All joints together may move it nearly as one map does.
+    // 1. All joints together may move the part nearly as one map does.
     let map = was.first_map();
-    let off = add_up(off_one_map(before, was, &map), off_one_map(after, is, &map));
-    let by_map = add_up(scaled_up(own, largest_stretch(&map)), off);
+    let map_error = add_up(distance_from_map(before, was, &map), distance_from_map(after, is, &map));
+    let by_map = add_up(scaled_up(own, largest_stretch(&map)), map_error);
     let quick = by_vertex.map_or(by_map, |moved| lesser(moved, by_map));
     let suffices = match limit {
         Some(limit) => quick <= limit,
-        // Chosen: what the map leaves open is then an eighth of it at most.
-        None => off <= 0.125 * quick,
+        // Chosen: the error of the map is then at most an eighth of the bound.
+        None => map_error <= 0.125 * quick,
     };
     if suffices || by_vertex.is_some() {
         return Ok(quick);
     }
-    // 2. Else the poses are judged as any two meshes are.
+    // 2. Otherwise the poses are compared like any two meshes.
     let max = limit.map(|limit| sub_down(limit, rounding)).and_then(|limit| Tolerance::new(limit).ok());
     let meshes = [is.posed(after)?, was.posed(before)?];
     match check::deviation(&meshes[0], &meshes[1], &Goal { max, ..Goal::default() }, job) {
-        Ok(found) => {
-            let judged = found.bound.at_most().map_or(f64::INFINITY, |most| add_up(most, rounding));
-            Ok(lesser(judged, quick))
+        Ok(measured) => {
+            let compared = measured.bound.at_most().map_or(f64::INFINITY, |most| add_up(most, rounding));
+            Ok(lesser(compared, quick))
         }
         Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
         Err(JobError::Refused(_)) => Ok(quick),
     }
 }
 
-/// The farthest that a vertex moved, where no face changed: then no point of a face moved farther.
+/// The largest distance that a vertex moved, if no face changed: then no point of a face moved farther.
 fn moved_by_vertex([(before, was), (after, is)]: [(&Mesh, &RestPose); 2]) -> Option<f64> {
     let is_same = before.faces() == after.faces() && was.positions.len() == is.positions.len();
     let moved = || was.positions.iter().zip(&is.positions).map(|(p, q)| distance_up(*p, *q));
     is_same.then(|| moved().fold(0.0, greater))
 }
 
-/// How far a pose is at most from one map of all vertices.
-fn off_one_map(mesh: &Mesh, pose: &RestPose, map: &Matrix4) -> f64 {
+/// A bound for the distance of a pose from one map of all vertices.
+fn distance_from_map(mesh: &Mesh, pose: &RestPose, map: &Matrix4) -> f64 {
     let moved = |p: [f64; 3]| {
         let row = |k: usize| map[k] * p[0] + map[4 + k] * p[1] + map[8 + k] * p[2] + map[12 + k];
         [row(0), row(1), row(2)]
     };
     let pairs = mesh.positions().iter().zip(&pose.positions);
-    let off =
+    let distances =
         pairs.map(|(p, q)| if *map == IDENTITY { distance_up(*p, *q) } else { distance_up(moved(*p), *q) });
     let rounded = map_rounding(map, largest_reach(&mesh.bounds()));
-    add_up(add_up(off.fold(0.0, greater), rounded), pose.rounding)
+    add_up(add_up(distances.fold(0.0, greater), rounded), pose.rounding)
 }

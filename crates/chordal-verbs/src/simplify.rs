@@ -24,8 +24,8 @@ use chordal::{Bounded, Job, Mesh, mend};
 use chordal_io::glb::VertexStorage;
 use chordal_io::{CoordinateOverflow, Part, Scene, worst_snap};
 
-/// Simplifies a scene within the budget. Returns it as it will be written, with its overall bound, and adds
-/// the rest to the certificate.
+/// Simplifies a scene within the budget. Returns it as it will be written, with its overall bound, and adds the other facts
+/// to the certificate.
 pub(crate) fn simplify_scene(
     scene: Scene,
     request: &MeshRequest,
@@ -35,9 +35,9 @@ pub(crate) fn simplify_scene(
     let Certificate { notes, attributes, stayed, .. } = certificate;
     let MeshRequest { budget, to, .. } = request;
     notes.extend(deformation_notes(&scene));
-    let placed = flatten::flatten_for(scene, *to)?;
-    notes.extend(placed.note());
-    let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
+    let transformed = flatten::flatten_for(scene, *to)?;
+    notes.extend(transformed.note());
+    let TransformedScene { mut scene, moved_at_most: place_error, .. } = transformed;
     if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
         return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to simplify"));
     }
@@ -50,13 +50,13 @@ pub(crate) fn simplify_scene(
         }
     }
     let stretch = placements::part_scales(&scene);
-    // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
+    // 1. The budget of each part, in its own coordinates: the length that transforms and rounding leave.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
     let lengths = allowed_lengths(&scene, request)?;
     let targets = format_rounding::targets(&scene, &stretch, request.form(), |part| {
         length_for_lattice(lengths[part], &budget.attributes)
     });
-    let places = RoundedPlaces { stretch: &stretch, targets: &targets, placed };
+    let places = RoundedPlaces { stretch: &stretch, targets: &targets, place_error };
     let mut shares: Vec<PartBudget> = match &eye {
         Some(_) => view_budgets(&scene, &places, request)?,
         None => uniform_budgets(&scene, &places, request, job)?,
@@ -72,7 +72,7 @@ pub(crate) fn simplify_scene(
     // 2. Part by part.
     let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     let is_alone = placements::n_places(&scene) == 1;
-    let mut all = ReductionStats::default();
+    let mut stats = ReductionStats::default();
     let mut held = HeldFaces::default();
     let mut worst: Option<Bound> = None;
     let mut pixels = eye.map(|_| 0.0);
@@ -84,13 +84,13 @@ pub(crate) fn simplify_scene(
     {
         let shown = shown.as_ref().filter(|shown| shown.is_posed(number));
         let fitting = PartToFit { number, shown, length: lengths[number], target, effort: request.effort };
-        let Some(FittedPart { made, mut rounded, step, moved }) =
+        let Some(FittedPart { simplified, mut rounded, step, moved }) =
             fitting.fit(part, &share.budget, (&budget.attributes, job))?
         else {
             continue;
         };
-        all += made.shape.stats;
-        let counts = [&part.mesh, &made.shape.mesh].map(|mesh| mesh.faces().len());
+        stats += simplified.shape.stats;
+        let counts = [&part.mesh, &simplified.shape.mesh].map(|mesh| mesh.faces().len());
         if HeldFaces::is_worth_asking(&share.budget, counts) {
             let free = Budget { attributes: AttributeLimits::default(), ..share.budget };
             let free = simplify_part(part, (&free, request.effort), job)?;
@@ -103,14 +103,14 @@ pub(crate) fn simplify_scene(
         let before = std::mem::replace(&mut part.mesh, rounded);
         let snapped = placements::scaled_up(step.at_most().unwrap_or(f64::INFINITY), *stretch);
         let seen = eye.filter(|_| shown.is_none());
-        let seen = seen.and_then(|eye| share.pixels_of(&made, snapped, placed, &eye.view));
-        let bound = made.bound.then(&step);
+        let seen = seen.and_then(|eye| share.pixels_of(&simplified, snapped, place_error, &eye.view));
+        let bound = simplified.bound.then(&step);
         if is_quantized || part.mesh.faces().len() < before.faces().len() {
             notes.extend(measure_attributes(attributes, [&before, &part.mesh], &bound, job)?);
         }
-        let own = bound.at_most().unwrap_or(f64::INFINITY);
-        let most = moved.unwrap_or_else(|| placements::scaled_up(own, *stretch));
-        let most = if placed == 0.0 { most } else { add_up(most, placed) };
+        let part_error = bound.at_most().unwrap_or(f64::INFINITY);
+        let most = moved.unwrap_or_else(|| placements::scaled_up(part_error, *stretch));
+        let most = if place_error == 0.0 { most } else { add_up(most, place_error) };
         if !most.is_finite() {
             let message = "the transforms of the scene take its coordinates out of range";
             return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
@@ -118,55 +118,55 @@ pub(crate) fn simplify_scene(
         let seen = seen.or_else(|| eye.and_then(|eye| pixels_at(&share.boxes, most, &eye.view)));
         pixels = pixels.zip(seen).map(|(most, seen)| greater(seen, most));
         if worst.as_ref().is_none_or(|worst| worst.at_most() < Some(most)) {
-            // Another part may compensate for the error of one, so that only a single part has a lower bound.
-            let alone = is_alone && *stretch == 1.0 && placed == 0.0 && shown.is_none();
+            // Another part may make up for the error of one, so that there is a lower bound only for a single part.
+            let alone = is_alone && *stretch == 1.0 && place_error == 0.0 && shown.is_none();
             let least = if alone { bound.at_least() } else { 0.0 };
-            let mut of_all = Bound::proved(lesser(least, most), most, Reference::InputTriangles);
-            of_all.at = bound.at.filter(|_| alone);
-            worst = Some(of_all);
+            let mut scene_bound = Bound::proved(lesser(least, most), most, Reference::InputTriangles);
+            scene_bound.at = bound.at.filter(|_| alone);
+            worst = Some(scene_bound);
         }
     }
     let after: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     notes.push(format!("{before} triangles were simplified to {after}").into());
-    notes.extend(reduction_notes(&all));
+    notes.extend(reduction_notes(&stats));
     stayed.extend(held.note(&budget.attributes));
-    let frozen = FrozenFaces::find(&scene, &all, [before, after]);
+    let frozen = FrozenFaces::find(&scene, &stats, [before, after]);
     stayed.extend(frozen.map(|frozen| frozen.note()));
-    if !frozen.is_some_and(|frozen| frozen.are_more_than(budget, &all)) {
+    if !frozen.is_some_and(|frozen| frozen.are_more_than(budget, &stats)) {
         stayed.extend(pieces_note(&scene, budget));
     }
     notes.extend(stayed.iter().cloned());
-    // It is among the notes already.
-    stayed.extend(unsettled_note(&all).filter(|_| after == before));
+    // The notes have it already.
+    stayed.extend(unsettled_note(&stats).filter(|_| after == before));
     let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
     if after < before {
-        worst = with_room(worst, budget.length);
+        worst = with_margin(worst, budget.length);
     }
     worst.pixels = pixels;
     Ok((scene, worst))
 }
 
-/// A bound with room for whoever proves it again and rounds otherwise, unless a length has none left.
-fn with_room(bound: Bound, length: Option<Tolerance>) -> Bound {
-    /// Measured: judges are up to 6e-15 of it higher.
-    const ROOM: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
-    let room = bound.at_most().map(|most| most * ROOM);
-    match room.filter(|most| length.is_none_or(|length| *most <= length.get()) && most.is_finite()) {
+/// A bound with a margin for another prover, who rounds otherwise; without it if the length has no room.
+fn with_margin(bound: Bound, length: Option<Tolerance>) -> Bound {
+    /// Measured: other provers get up to 6e-15 of the bound more.
+    const MARGIN: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+    let widened = bound.at_most().map(|most| most * MARGIN);
+    match widened.filter(|most| length.is_none_or(|length| *most <= length.get()) && most.is_finite()) {
         Some(most) => {
-            let mut with = Bound::proved(bound.at_least(), most, bound.reference.clone());
-            (with.at, with.metric) = (bound.at, bound.metric);
-            with
+            let mut wider = Bound::proved(bound.at_least(), most, bound.reference.clone());
+            (wider.at, wider.metric) = (bound.at, bound.metric);
+            wider
         }
         None => bound,
     }
 }
 
-/// A part that is to be simplified so that it keeps its length where the scene shows it.
+/// A part to simplify so that it keeps the length where the scene shows it.
 struct PartToFit<'a> {
     number: usize,
-    /// Where a skin or morph targets pose it.
+    /// The poses by a skin or morph targets.
     shown: Option<&'a ShownParts<'a>>,
-    /// How far a point of it may be off in the scene; 0 where nothing says so.
+    /// The largest distance that a point of the part may move in the scene; 0 without a limit.
     length: f64,
     target: &'a RoundingTarget,
     effort: Effort,
@@ -174,55 +174,58 @@ struct PartToFit<'a> {
 
 /// A part that was simplified.
 struct FittedPart {
-    made: Bounded<SimplifiedMesh>,
-    /// As its file stores it.
+    simplified: Bounded<SimplifiedMesh>,
+    /// The mesh as its file stores it.
     rounded: Mesh,
-    /// How far that moved it, in its own coordinates.
+    /// The largest distance by which storing moved it, in the coordinates of the part.
     step: Bound,
-    /// Where it is posed: how far it moved at most in the scene.
+    /// For a posed part: the largest distance that it moved in the scene.
     moved: Option<f64>,
 }
 
 impl PartToFit<'_> {
-    /// Simplifies it; where the poses are too far apart, in its pose, by shorter lengths, and in the end not at all.
+    /// Simplifies the part. If its poses are too far apart, tries again in its pose, then with shorter lengths, and at last
+    /// leaves it unchanged.
     fn fit(
         &self,
         part: &mut Part,
         budget: &Budget,
         (attributes, job): (&AttributeLimits, &Job),
     ) -> Result<Option<FittedPart>, MeshFailure> {
-        /// Chosen: each takes as long as the first, and lengths are down to a thousandth by then.
+        /// Chosen: each try takes as long as the first, and after eight the length is below a thousandth.
         const MOST_TRIES: usize = 8;
-        /// The most that a length keeps from one try to the next; chosen.
+        /// The largest share of a length from one try to the next. Chosen: a larger share needs more tries, a smaller one
+        /// may give up length that would have held.
         const SHORTER: f64 = 0.7;
         let limit = budget.length.is_some().then_some(self.length);
-        let whole = budget;
+        let full_budget = budget;
         let mut budget = *budget;
-        for left in (0..=MOST_TRIES).rev() {
-            let Some(made) = simplify_part(part, (&budget, self.effort), job)? else { return Ok(None) };
-            let (rounded, step) = stored(part, &made, self.target, (attributes, job))?;
+        for tries_left in (0..=MOST_TRIES).rev() {
+            let Some(simplified) = simplify_part(part, (&budget, self.effort), job)? else { return Ok(None) };
+            let (rounded, step) = stored(part, &simplified, self.target, (attributes, job))?;
             let Some(shown) = self.shown else {
-                return Ok(Some(FittedPart { made, rounded, step, moved: None }));
+                return Ok(Some(FittedPart { simplified, rounded, step, moved: None }));
             };
-            let own = made.bound.then(&step).at_most().unwrap_or(f64::INFINITY);
-            let moved = shown.moved(self.number, [&part.mesh, &rounded], own, (limit, job))?;
-            let Some(over) = limit.filter(|limit| moved > *limit && left > 0) else {
-                return Ok(Some(FittedPart { made, rounded, step, moved: Some(moved) }));
+            let part_error = simplified.bound.then(&step).at_most().unwrap_or(f64::INFINITY);
+            let moved = shown.moved(self.number, [&part.mesh, &rounded], part_error, (limit, job))?;
+            let Some(exceeded_limit) = limit.filter(|limit| moved > *limit && tries_left > 0) else {
+                return Ok(Some(FittedPart { simplified, rounded, step, moved: Some(moved) }));
             };
-            if left == MOST_TRIES
-                && let Some(fitted) = self.fit_in_pose(part, (whole, over), (attributes, job))?
+            if tries_left == MOST_TRIES
+                && let Some(fitted) =
+                    self.fit_in_pose(part, (full_budget, exceeded_limit), (attributes, job))?
             {
                 return Ok(Some(fitted));
             }
-            let share = lesser(SHORTER, over / moved);
+            let share = lesser(SHORTER, exceeded_limit / moved);
             let shorter = budget.length.and_then(|length| Tolerance::new(share * length.get()).ok());
-            budget.length = shorter.filter(|_| left > 1);
+            budget.length = shorter.filter(|_| tries_left > 1);
         }
         Ok(None)
     }
 
-    /// Simplifies a part as the scene shows it: where weights change from joint to joint, what goes without a trace in the
-    /// coordinates of the file is seen in the pose. What comes of it is judged there; in its own coordinates it may be
+    /// Simplifies a part as the scene shows it: collapses that change nothing in the coordinates of the file are seen in the
+    /// pose if weights change from joint to joint. The error is checked in the pose; in its own coordinates the part may be
     /// farther off.
     fn fit_in_pose(
         &self,
@@ -230,7 +233,8 @@ impl PartToFit<'_> {
         (budget, limit): (&Budget, f64),
         (attributes, job): (&AttributeLimits, &Job),
     ) -> Result<Option<FittedPart>, MeshFailure> {
-        /// The shares of the length that are tried; chosen: weights are blended with vertices, and bend edges a little.
+        /// The shares of the length to try. Chosen: collapses also blend weights, which bends edges a little more than the
+        /// length.
         const SHARES: [f64; 3] = [0.8, 0.4, 0.2];
         let Some(shown) = self.shown else { return Ok(None) };
         let Some(pose) = shown.first_pose(self.number, &part.mesh)? else { return Ok(None) };
@@ -239,27 +243,28 @@ impl PartToFit<'_> {
         for share in SHARES {
             let Ok(length) = Tolerance::new(share * limit) else { break };
             let budget = Budget { length: Some(length), pixels: None, ..*budget };
-            let made = simplify_mesh(&posed, (&budget, self.effort), topology, job);
-            let made = made.or_else(Failure::best_effort)?;
-            let mesh = out_of_pose(&made.shape.mesh).map_err(unsupported)?;
+            let simplified = simplify_mesh(&posed, (&budget, self.effort), topology, job);
+            let simplified = simplified.or_else(Failure::best_effort)?;
+            let mesh = out_of_pose(&simplified.shape.mesh).map_err(unsupported)?;
             let bound = check::deviation(&mesh, &part.mesh, &Goal::default(), job)?.bound;
-            let made = Bounded { shape: SimplifiedMesh { mesh, worst: None, ..made.shape }, bound };
-            let (rounded, step) = stored(part, &made, self.target, (attributes, job))?;
-            let own = made.bound.then(&step).at_most().unwrap_or(f64::INFINITY);
-            let moved = shown.moved(self.number, [&part.mesh, &rounded], own, (Some(limit), job))?;
+            let simplified =
+                Bounded { shape: SimplifiedMesh { mesh, worst: None, ..simplified.shape }, bound };
+            let (rounded, step) = stored(part, &simplified, self.target, (attributes, job))?;
+            let part_error = simplified.bound.then(&step).at_most().unwrap_or(f64::INFINITY);
+            let moved = shown.moved(self.number, [&part.mesh, &rounded], part_error, (Some(limit), job))?;
             if moved <= limit && rounded.faces().len() < part.mesh.faces().len() {
-                return Ok(Some(FittedPart { made, rounded, step, moved: Some(moved) }));
+                return Ok(Some(FittedPart { simplified, rounded, step, moved: Some(moved) }));
             }
         }
         Ok(None)
     }
 }
 
-/// A part that was simplified as its file stores it, and how far that moved it. Where rounding to a lattice slides
+/// The stored form of a simplified part, and the largest distance by which storing moved it. If rounding to a lattice moves
 /// attributes past their limits, positions stay in single precision.
 fn stored(
     part: &mut Part,
-    made: &Bounded<SimplifiedMesh>,
+    simplified: &Bounded<SimplifiedMesh>,
     target: &RoundingTarget,
     (limits, job): (&AttributeLimits, &Job),
 ) -> Result<(Mesh, Bound), MeshFailure> {
@@ -270,49 +275,49 @@ fn stored(
         };
         mesh.map(|mesh| (mesh, step)).map_err(unsupported)
     };
-    let (mesh, step) = with_attributes(part.storage.as_deref(), round(&made.shape.mesh, target, job)?)?;
-    let fewest = (rounded_deformation(mesh, part.storage.as_deref(), target.format)?, step);
+    let (mesh, step) = with_attributes(part.storage.as_deref(), round(&simplified.shape.mesh, target, job)?)?;
+    let on_lattice = (rounded_deformation(mesh, part.storage.as_deref(), target.format)?, step);
     if target.lattice.is_none() || !limits.is_set() {
-        return Ok(fewest);
+        return Ok(on_lattice);
     }
-    let moved = made.bound.then(&fewest.1).at_most().and_then(|most| Tolerance::new(most).ok());
-    let off = match attribute_deviation(&part.mesh, &fewest.0, moved, job) {
-        Ok(off) => off,
+    let moved = simplified.bound.then(&on_lattice.1).at_most().and_then(|most| Tolerance::new(most).ok());
+    let deviations = match attribute_deviation(&part.mesh, &on_lattice.0, moved, job) {
+        Ok(deviations) => deviations,
         Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
-        Err(JobError::Refused(_)) => return Ok(fewest),
+        Err(JobError::Refused(_)) => return Ok(on_lattice),
     };
-    if !off.iter().any(|off| exceeds(limits, off)) {
-        return Ok(fewest);
+    if !deviations.iter().any(|deviation| exceeds(limits, deviation)) {
+        return Ok(on_lattice);
     }
     if let Some(storage) = &mut part.storage {
         storage.lattice = None;
     }
     let single = RoundingTarget { lattice: None, ..*target };
-    Ok(with_attributes(part.storage.as_deref(), round(&made.shape.mesh, &single, job)?)?)
+    Ok(with_attributes(part.storage.as_deref(), round(&simplified.shape.mesh, &single, job)?)?)
 }
 
-/// Whether an attribute is off by more than its limit.
-pub(crate) fn exceeds(limits: &AttributeLimits, off: &AttributeDeviation) -> bool {
-    match off.semantic {
-        Semantic::TexCoord(_) => limits.texcoord().is_some_and(|limit| off.largest > limit),
-        Semantic::Normal => limits.normal_deg().is_some_and(|limit| off.largest > limit),
+/// Whether an attribute deviates by more than its limit.
+pub(crate) fn exceeds(limits: &AttributeLimits, deviation: &AttributeDeviation) -> bool {
+    match deviation.semantic {
+        Semantic::TexCoord(_) => limits.texcoord().is_some_and(|limit| deviation.largest > limit),
+        Semantic::Normal => limits.normal_deg().is_some_and(|limit| deviation.largest > limit),
         _ => false,
     }
 }
 
-/// A mesh at the positions of its file, and how far that moved it. Of a lattice, triangles that it left with two
-/// corners at one place are dropped: their neighbours share the edge.
+/// A mesh at the positions of its file, and the largest distance by which that moved it. On a lattice, triangles that were
+/// left with two corners at one point are dropped: their neighbours share the edge.
 fn round(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, Bound), MeshFailure> {
     let snapped = target.snap(mesh)?;
     let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
     if target.lattice.is_none() {
         return Ok((snapped.mesh, step));
     }
-    let kept = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
-    let both = step.then(&kept.bound);
-    // What rounding collapsed is no farther from its neighbours than it moved. Where more would go, all of it stays.
-    let is_covered = kept.bound.at_most().is_some_and(|most| most <= snapped.moved_at_most);
-    Ok(if is_covered { (kept.mesh, both) } else { (snapped.mesh, step) })
+    let cleaned = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
+    let total = step.then(&cleaned.bound);
+    // A collapsed triangle is no farther from its neighbours than rounding moved it. If more would be lost, all stay.
+    let is_covered = cleaned.bound.at_most().is_some_and(|most| most <= snapped.moved_at_most);
+    Ok(if is_covered { (cleaned.mesh, total) } else { (snapped.mesh, step) })
 }
 
 /// How the parts of a scene are placed and rounded.
@@ -321,11 +326,11 @@ struct RoundedPlaces<'a> {
     /// By part: the largest factor by which its nodes lengthen.
     stretch: &'a [f64],
     targets: &'a [RoundingTarget],
-    /// How far transforms that were applied have moved a vertex.
-    placed: f64,
+    /// The largest distance by which applied transforms have moved a vertex through rounding.
+    place_error: f64,
 }
 
-/// By part: how far a point of it may be off in the scene.
+/// By part: the largest distance that a point of it may move in the scene.
 fn allowed_lengths(scene: &Scene, request: &MeshRequest) -> Result<Vec<f64>, MeshFailure> {
     let MeshRequest { budget, bounds, .. } = request;
     let within = |place: &Box3| budget.length_in(place).unwrap_or(0.0);
@@ -343,35 +348,38 @@ fn allowed_lengths(scene: &Scene, request: &MeshRequest) -> Result<Vec<f64>, Mes
 
 /// The budget of one part.
 struct PartBudget {
-    /// In its own coordinates: without any limit it stays as it is.
+    /// In the coordinates of the part; a part without any limit stays as it is.
     budget: Budget,
-    /// Where an eye sees it: the boxes of its placements.
+    /// If an eye sees the scene: the boxes of the part's placements.
     boxes: Vec<Box3>,
 }
 
 impl PartBudget {
-    /// With limits on attributes, where it limits a length or pixels.
+    /// Adds limits on attributes, which apply if a length or pixels are limited.
     fn limited(mut self, attributes: AttributeLimits) -> Self {
         self.budget.attributes = attributes;
         self
     }
 
-    /// The error on the screen of a part that was simplified by pixels, or not at all: of that step, of
-    /// rounding to the format and of its transform.
+    /// The error on the screen of a part that was simplified by pixels, or not at all: of the simplification, of rounding to
+    /// the format and of its transform.
     fn pixels_of(
         &self,
-        made: &Bounded<SimplifiedMesh>,
+        simplified: &Bounded<SimplifiedMesh>,
         snapped: f64,
-        placed: f64,
+        place_error: f64,
         view: &View,
     ) -> Option<f64> {
-        let simplified = made.bound.pixels?;
+        let pixels = simplified.bound.pixels?;
         // The result may extend beyond the original box.
-        let own = [made.shape.mesh.bounds()];
+        let own = [simplified.shape.mesh.bounds()];
         let now = if self.budget.pixels.is_some() { &own } else { self.boxes.as_slice() };
-        let rounded =
-            if snapped == 0.0 || placed == 0.0 { snapped + placed } else { add_up(snapped, placed) };
-        view.pixels_of_two_steps(simplified, pixels_at(now, rounded, view)?)
+        let rounded = if snapped == 0.0 || place_error == 0.0 {
+            snapped + place_error
+        } else {
+            add_up(snapped, place_error)
+        };
+        view.pixels_of_two_steps(pixels, pixels_at(now, rounded, view)?)
     }
 }
 
@@ -385,7 +393,7 @@ fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
     Some(most)
 }
 
-/// Budgets that do not depend on the placement: the same length for all parts, or a triangle count for each.
+/// Budgets that do not depend on the placement: the same length for all parts, or a triangle count for each part.
 fn uniform_budgets(
     scene: &Scene,
     places: &RoundedPlaces<'_>,
@@ -393,11 +401,11 @@ fn uniform_budgets(
     job: &Job,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
     let MeshRequest { budget, bounds, .. } = request;
-    let RoundedPlaces { stretch, targets, placed } = *places;
+    let RoundedPlaces { stretch, targets, place_error } = *places;
     let length = length_for_all(budget, bounds)?;
     let lost = format_rounding::worst_rounding(scene, stretch, targets);
-    let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
-    let left = match length {
+    let lost = if place_error == 0.0 || lost == 0.0 { lost + place_error } else { add_up(lost, place_error) };
+    let remaining = match length {
         Some(length) => {
             request.with_budget(Budget::length(length)).reserve_rounding(lost)?.length.map(Tolerance::get)
         }
@@ -409,64 +417,64 @@ fn uniform_budgets(
     };
     let share = |(part, stretch): (usize, &f64)| {
         let triangles = counts.as_ref().map(|counts| counts[part]);
-        PartBudget { budget: Budget { triangles, ..part_budget(left, *stretch) }, boxes: Vec::new() }
+        PartBudget { budget: Budget { triangles, ..part_budget(remaining, *stretch) }, boxes: Vec::new() }
     };
     Ok(stretch.iter().enumerate().map(share).map(|share| share.limited(budget.attributes)).collect())
 }
 
-/// Budgets where one eye sees the scene: what the placements of each part allow. For a part in world
-/// coordinates, the pixels themselves.
+/// Budgets if one eye sees the scene: the length that the placements of each part allow; for a part in world coordinates,
+/// the pixels themselves.
 fn view_budgets(
     scene: &Scene,
     places: &RoundedPlaces<'_>,
     request: &MeshRequest,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
     let MeshRequest { budget, to, .. } = request;
-    let RoundedPlaces { stretch, targets, placed } = *places;
+    let RoundedPlaces { stretch, targets, place_error } = *places;
     let limits = Budget { length: budget.length, pixels: budget.pixels, ..Budget::default() };
     let boxes = placements::boxes_of_parts(scene)?;
     let mut shares = Vec::with_capacity(boxes.len());
     let rounded = stretch.iter().zip(targets);
     for ((part, (stretch, target)), (boxes, is_as_it_is)) in scene.parts.iter().zip(rounded).zip(boxes) {
-        let boxes: Vec<Box3> = boxes.iter().map(|place| placements::pad_box(place, placed)).collect();
+        let boxes: Vec<Box3> = boxes.iter().map(|place| placements::pad_box(place, place_error)).collect();
         let lost = placements::scaled_up(target.worst(&part.mesh.bounds()), *stretch);
-        let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
-        let mut left = Budget::default();
+        let lost =
+            if place_error == 0.0 || lost == 0.0 { lost + place_error } else { add_up(lost, place_error) };
+        let mut remaining = Budget::default();
         for place in boxes.iter().filter(|place| !place.is_empty()) {
             let here = MeshRequest::new(limits, *to, *place).reserve_rounding(ROOM_TO_THE_EYE * lost)?;
             if is_as_it_is {
-                left = here;
+                remaining = here;
                 continue;
             }
             // A part that comes too close in one of its placements stays as it is.
             let length = here.length_in(place).unwrap_or(0.0);
-            let least = left.length.map_or(f64::INFINITY, Tolerance::get);
-            left = part_budget(Some(lesser(length, least)), 1.0);
-            if left.length.is_none() {
+            let least = remaining.length.map_or(f64::INFINITY, Tolerance::get);
+            remaining = part_budget(Some(lesser(length, least)), 1.0);
+            if remaining.length.is_none() {
                 break;
             }
         }
         if !is_as_it_is {
-            left = part_budget(left.length.map(Tolerance::get), *stretch);
+            remaining = part_budget(remaining.length.map(Tolerance::get), *stretch);
         }
-        shares.push(PartBudget { budget: left, boxes }.limited(budget.attributes));
+        shares.push(PartBudget { budget: remaining, boxes }.limited(budget.attributes));
     }
     Ok(shares)
 }
 
-/// The factor on the reserve for rounding where an eye sees the part: the result may be nearer to the eye
-/// than the input, by the pixels' fraction of half the picture. Chosen: enough for 8 % of it.
+/// The factor on the reserve for rounding if an eye sees the part: the result may be nearer to the eye than the input, by
+/// the pixels' fraction of half the picture. Chosen: enough for 8 % of it.
 const ROOM_TO_THE_EYE: f64 = 1.125;
 
-/// A length of the scene as the budget of a part that is scaled by `stretch`; no limit where nothing is left
-/// of it.
+/// A length of the scene as the budget of a part that is scaled by `stretch`; no limit if nothing is left of the length.
 fn part_budget(length: Option<f64>, stretch: f64) -> Budget {
     let length = length.and_then(|length| placements::length_in_part(length, stretch));
     Budget { length, ..Budget::default() }
 }
 
-/// Adds the attribute deviation between two meshes; returns a note where it is unknown. Lines between charts
-/// are within the bound of where they were.
+/// Adds the attribute deviation between two meshes; returns a note if it could not be measured. Lines between charts are
+/// within the bound of their old places.
 fn measure_attributes(
     attributes: &mut Vec<AttributeFacts>,
     [before, after]: [&Mesh; 2],
@@ -475,13 +483,13 @@ fn measure_attributes(
 ) -> Result<Option<Message>, MeshFailure> {
     let moved = bound.at_most().and_then(|most| Tolerance::new(most).ok());
     match attribute_deviation(before, after, moved, job) {
-        Ok(found) => {
-            found.iter().for_each(|found| AttributeFacts::add(attributes, found));
+        Ok(deviations) => {
+            deviations.iter().for_each(|deviation| AttributeFacts::add(attributes, deviation));
             Ok(None)
         }
         Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
         Err(JobError::Refused(refusal)) => Ok(Some(
-            Message::from("how far attributes went off was not measured: ").message(&refusal.message),
+            Message::from("the deviation of attributes was not measured: ").message(&refusal.message),
         )),
     }
 }
@@ -501,7 +509,7 @@ fn length_for_all(budget: &Budget, bounds: &Box3) -> Result<Option<Tolerance>, M
     Tolerance::new(length).map(Some).map_err(|_| close())
 }
 
-/// Simplifies one part; `None` where there is nothing to do.
+/// Simplifies one part; `None` if there is nothing to do.
 fn simplify_part(
     part: &Part,
     (budget, effort): (&Budget, Effort),
@@ -528,11 +536,11 @@ fn simplify_part(
     match simplify_mesh(&part.mesh, (budget, effort), topology, job) {
         // The eye is close to all of this part, and perhaps not to others.
         Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooClose => Ok(unchanged()),
-        made => Ok(Some(made.or_else(Failure::best_effort)?)),
+        simplified => Ok(Some(simplified.or_else(Failure::best_effort)?)),
     }
 }
 
-/// Fewer triangles; `effort` is for a count alone.
+/// Simplifies a mesh; `effort` applies only to a budget of a count alone.
 pub(crate) fn simplify_mesh(
     mesh: &Mesh,
     (budget, effort): (&Budget, Effort),
@@ -556,29 +564,29 @@ fn triangle_shares(scene: &Scene, (most, effort): (u64, Effort), job: &Job) -> R
     }
     let MergedParts { mesh, places } = MergedParts::from_scene(scene, Topology::Positions)?;
     let ends = places.iter().skip(1).map(|(_, first)| *first).chain([mesh.faces().len() as u32]);
-    let mut of_face = Vec::with_capacity(mesh.faces().len());
+    let mut place_of_face = Vec::with_capacity(mesh.faces().len());
     for (place, ((_, first), end)) in places.iter().zip(ends).enumerate() {
-        of_face.extend((*first..end).map(|_| place as f64));
+        place_of_face.extend((*first..end).map(|_| place as f64));
     }
     let place_of = Attribute {
         semantic: Semantic::Group(PLACE.to_owned()),
         domain: Domain::Face,
         width: 1,
-        values: of_face,
+        values: place_of_face,
     };
     let mesh = mesh.with_attribute(place_of.clone()).map_err(unsupported)?;
-    let made = simplify_to_count(&mesh, most, effort, Topology::Indices, job)
+    let simplified = simplify_to_count(&mesh, most, effort, Topology::Indices, job)
         .or_else(Failure::best_effort)?
         .shape
         .mesh;
     // A part with several placements has one triangle count: the least over them.
-    let mut got = vec![0_u64; places.len()];
-    if let Some(of_faces) = made.attribute(&place_of.semantic) {
-        of_faces.values.iter().for_each(|place| got[*place as usize] += 1);
+    let mut kept = vec![0_u64; places.len()];
+    if let Some(place_of_face) = simplified.attribute(&place_of.semantic) {
+        place_of_face.values.iter().for_each(|place| kept[*place as usize] += 1);
     }
     let mut counts = vec![u64::MAX; n_parts];
-    for ((part, _), got) in places.iter().zip(got) {
-        counts[*part] = counts[*part].min(got);
+    for ((part, _), kept) in places.iter().zip(kept) {
+        counts[*part] = counts[*part].min(kept);
     }
     Ok(counts)
 }

@@ -1,4 +1,4 @@
-//! The surface that a Gaussian over a mask leaves, and what that costs.
+//! The surface of a mask after a Gaussian, with the error of smoothing.
 use crate::report::SmoothingFacts;
 use crate::volume::{SuggestedLevel, VolumeShape};
 use crate::{MeshFailure, SmoothingWidth};
@@ -21,23 +21,23 @@ fn in_samples(width: SmoothingWidth, sampled: &VolumeShape) -> Result<[f64; 3], 
     Ok(steps.map(|[x, y, z]| length / (x * x + y * y + z * z).sqrt()))
 }
 
-/// How often half of a width that is too large is tried instead. Chosen: a sixteenth of a width does nothing to a mask.
+/// How often half of a width that is too large is tried instead. Chosen: a sixteenth of a width hardly changes a mask.
 const HALVINGS: u32 = 4;
 
-/// The surface of a mask after a Gaussian, with its bound against the unsmoothed mask, and what it cost. `length` is what
-/// the budget allows.
+/// The surface of a mask after a Gaussian, with its bound against the unsmoothed mask, and the facts of smoothing. `length`
+/// is the length that the budget allows.
 ///
 /// # Errors
-/// When the samples are no mask; as for [`mask_to_smooth_mesh`].
+/// If the samples are not a mask; as for [`mask_to_smooth_mesh`].
 pub(crate) fn smoothed_surface(
     sampled: &VolumeShape,
     (rule, suggested): (&Polygonize, Option<&SuggestedLevel>),
     (width, length): (SmoothingWidth, f64),
     job: &Job,
 ) -> Result<(Bounded<Mesh>, SmoothingFacts), MeshFailure> {
-    if suggested.is_none_or(|found| found.kind != "mask" || found.level != rule.level) {
+    if suggested.is_none_or(|suggestion| suggestion.kind != "mask" || suggestion.level != rule.level) {
         let message = Message::from(
-            "masks are smoothed, samples that are whole numbers of two values, at the level between them: without ",
+            "only masks can be smoothed, samples with two whole numbers as values, at the level between them: without ",
         );
         return Err(MeshFailure::Usage(
             message.setting(Setting::Smooth).words(" the surface is that of the samples"),
@@ -55,7 +55,7 @@ pub(crate) fn smoothed_surface(
     Ok((Bounded { shape: mesh, bound }, facts))
 }
 
-/// The factor of a width that is within a length, of a few halvings.
+/// The factor of a width within a length, after a few halvings.
 fn narrower_within(
     length: f64,
     smoothed: impl Fn(f64) -> Result<Bounded<SmoothedMask>, Failure<Mesh>>,
@@ -64,8 +64,8 @@ fn narrower_within(
     for _ in 0..HALVINGS {
         factor *= 0.5;
         match smoothed(factor) {
-            Ok(made) if made.bound.at_most().is_some_and(|most| most <= length) => return Ok(Some(factor)),
-            // Less may be left of the shape where the width is larger.
+            Ok(mesh) if mesh.bound.at_most().is_some_and(|most| most <= length) => return Ok(Some(factor)),
+            // A narrower Gaussian may leave a surface even if this one left none.
             Ok(_) | Err(Failure::Refused(_) | Failure::Unmet(_)) => {}
             Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
         }
@@ -73,18 +73,18 @@ fn narrower_within(
     Ok(None)
 }
 
-/// What smoothing did, in a sentence.
+/// The note on smoothing.
 pub(crate) fn smoothing_note(width: SmoothingWidth, facts: &SmoothingFacts) -> Message {
-    let off = facts.at_most.map_or_else(|| "no known length".to_owned(), digits);
-    let said = format!(
+    let moved = facts.at_most.map_or_else(|| "no known length".to_owned(), digits);
+    let sentence = format!(
         "smoothed by a Gaussian of {width}: {} samples changed sides, where {} were inside, and the surface moved by at most \
-         {off}",
+         {moved}",
         facts.changed, facts.inside
     );
     match &facts.fits {
-        Some(fits) => Message::from(format!("{said}, more than the budget; "))
+        Some(fits) => Message::from(format!("{sentence}, more than the budget; "))
             .value(Setting::Smooth, fits)
             .words(" is within it"),
-        None => said.into(),
+        None => sentence.into(),
     }
 }

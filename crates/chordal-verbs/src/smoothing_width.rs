@@ -1,4 +1,4 @@
-//! `SmoothingWidth`: how far a Gaussian over a mask reaches.
+//! `SmoothingWidth`: the width of a Gaussian over a mask.
 use chordal::budget::{InvalidLength, Length};
 use std::fmt;
 use std::str::FromStr;
@@ -42,7 +42,7 @@ impl FromStr for SmoothingWidth {
 }
 
 impl SmoothingWidth {
-    /// A share of it.
+    /// The width times a factor.
     pub(crate) fn times(self, factor: f64) -> Self {
         match self {
             Self::Samples(samples) => Self::Samples(factor * samples),

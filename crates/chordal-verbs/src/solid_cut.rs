@@ -1,4 +1,4 @@
-//! `cut`: solids cut along each other, at the positions that a file holds, and the bound of what they make.
+//! `cut`: solids cut along each other, at the positions of a file, and the bound of the result.
 use crate::MeshFailure;
 use crate::format_rounding::RoundingTarget;
 use chordal::boolean::provenance::BooleanError;
@@ -28,17 +28,17 @@ pub(crate) fn cut(
                 positions.copy_from_slice(snapped.mesh.positions());
                 Ok(())
             }
-            Err(why) => {
-                *overflow.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(why);
-                Err(JobError::Refused(Refusal::new(RefusalCode::NotFinite, why.to_string())))
+            Err(error) => {
+                *overflow.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(error);
+                Err(JobError::Refused(Refusal::new(RefusalCode::NotFinite, error.to_string())))
             }
         }
     };
-    let made = boolean_snapped(meshes[0], &steps, &snap, job);
-    if let Some(why) = overflow.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-        return Err(CutFailure::Other(MeshFailure::TooWide(why)));
+    let solid = boolean_snapped(meshes[0], &steps, &snap, job);
+    if let Some(error) = overflow.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
+        return Err(CutFailure::Other(MeshFailure::TooWide(error)));
     }
-    made.map_err(|error| match error {
+    solid.map_err(|error| match error {
         BooleanError::Stopped(stopped) => CutFailure::Other(stopped.into()),
         BooleanError::NotClosed { operand, boundary_edges } => {
             CutFailure::NotClosed { operand, boundary_edges }
@@ -46,7 +46,7 @@ pub(crate) fn cut(
     })
 }
 
-/// Why there is no cut yet.
+/// The reason why there is no cut.
 pub(crate) enum CutFailure {
     /// An operand has to be closed first.
     NotClosed {
@@ -56,30 +56,31 @@ pub(crate) enum CutFailure {
     Other(MeshFailure),
 }
 
-/// The bound of the cut, and the largest of the operands' own: farther than both together from all surfaces
-/// the triangles of an operand, and those cut from them, leave every point on its side.
-pub(crate) fn whole_bound(made: &BooleanMesh, own: &[&Bound]) -> Bound {
-    if own.is_empty() {
-        return made.bound.clone();
+/// The bound of the cut plus the largest bound of the operands: the triangles of an operand, and those cut from them, leave
+/// a point on its side if it is farther than both together from all surfaces.
+pub(crate) fn total_bound(solid: &BooleanMesh, operand_bounds: &[&Bound]) -> Bound {
+    if operand_bounds.is_empty() {
+        return solid.bound.clone();
     }
-    // A distance between surfaces says nothing of their sides.
+    // A bound for the distance between surfaces does not imply that a point is on the same side of both.
     let sides = "what is farther from a shape than the bound of its triangles is on the same side of both";
     let sides = Evidence::ProvedIf(vec![sides.to_owned()]);
-    let all = made.bound.evidence().weaker(&sides);
-    let evidence = own.iter().fold(all, |all, bound| all.weaker(bound.evidence()));
-    let largest =
-        own.iter().map(|bound| bound.at_most()).try_fold(0.0, |most, own| Some(greater(own?, most)));
-    let at_most = made.bound.at_most().zip(largest).map(|(cut, own)| add_up(cut, own));
+    let cut_evidence = solid.bound.evidence().weaker(&sides);
+    let evidence =
+        operand_bounds.iter().fold(cut_evidence, |cut_evidence, bound| cut_evidence.weaker(bound.evidence()));
+    let bounds = operand_bounds.iter().map(|bound| bound.at_most());
+    let largest = bounds.into_iter().try_fold(0.0, |most, bound| Some(greater(bound?, most)));
+    let at_most = solid.bound.at_most().zip(largest).map(|(cut, operand)| add_up(cut, operand));
     let (at_most, evidence) = match at_most {
         Some(most) if most.is_finite() && evidence.bounds_above() => (Some(most), evidence),
         _ => (None, Evidence::Estimated),
     };
-    let mut bound = Bound::with_evidence(0.0, at_most, evidence, made.bound.reference.clone());
-    (bound.metric, bound.at) = (Metric::Solid, made.bound.at);
+    let mut bound = Bound::with_evidence(0.0, at_most, evidence, solid.bound.reference.clone());
+    (bound.metric, bound.at) = (Metric::Solid, solid.bound.at);
     bound
 }
 
-/// What the vertices of a cut are off by, generously: some hundred steps of rounding.
+/// A generous bound for the displacement of the vertices of a cut: about a thousand steps of rounding.
 pub(crate) fn cutting_slack(bounds: &Box3) -> f64 {
     let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(x.abs(), most));
     // Measured on random solids: below 20 steps where faces meet at more than a degree.

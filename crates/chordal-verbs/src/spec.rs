@@ -24,7 +24,7 @@ pub struct BudgetSpec {
     pub pixels: Option<PixelBudget>,
     /// The largest angle between the normals of the triangles and those of the shape, in degrees.
     pub angle_deg: Option<f64>,
-    /// How far attributes of triangles may be from those of the input.
+    /// The largest deviations of the attributes of triangles from those of the input.
     pub attributes: AttributeLimits,
     /// The most triangles.
     pub triangles: Option<u64>,
@@ -32,13 +32,13 @@ pub struct BudgetSpec {
     pub segments: Option<u64>,
     /// How segment ends are spaced on curves.
     pub spacing: Spacing,
-    /// How much work a count of triangles is worth where triangles are simplified.
+    /// The work that a triangle count is worth when triangles are simplified.
     pub effort: Effort,
-    /// How high a drawing is raised to a solid; it is meshed in its plane where there is none.
+    /// The height to which a drawing is raised to a solid; without it the drawing is meshed in its plane.
     pub extrude: Option<Length>,
-    /// How wide the edges of that solid are cut off at 45°; they stay where there is none.
+    /// The width of the bevels at 45° along the edges of that solid; without it they stay sharp.
     pub bevel: Option<Length>,
-    /// The normals that triangles get.
+    /// The normals of the triangles.
     pub normals: Normals,
     /// The required evidence. The default is a proof; for a field with a part whose ranges are unknown, a
     /// user function without a Lipschitz constant, it is a measurement.
@@ -49,25 +49,25 @@ pub struct BudgetSpec {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DrawnSolid {
     pub height: f64,
-    /// How wide its edges are cut off.
+    /// The width of the bevels along its edges.
     pub bevel: Option<f64>,
 }
 
 impl BudgetSpec {
-    /// Whether it limits anything that a mesh or a polyline can be built for.
+    /// Whether it has a limit within which a mesh or polylines can be built.
     #[must_use]
     pub fn has_limit(&self) -> bool {
         let counted = self.triangles.is_some() || self.segments.is_some();
         counted || self.length.is_some() || self.pixels.is_some()
     }
 
-    /// The solid over a drawing.
+    /// The solid over a drawing, if a height is set.
     ///
     /// # Errors
-    /// When there is one and the result is none of triangles, or the shape no drawing; as for [`Self::resolve`].
+    /// If a height is set and the output has no triangles or the shape is not a drawing; as for [`Self::resolve`].
     pub(crate) fn solid(&self, shape: &Shape, lines: bool) -> Result<Option<DrawnSolid>, MeshFailure> {
         let Some(height) = self.extrude else {
-            let message = "bevels are those of a solid, and the drawing is raised to none";
+            let message = "a bevel needs a solid, and the drawing is not raised to one";
             return if self.bevel.is_some() { Err(MeshFailure::Usage(message.into())) } else { Ok(None) };
         };
         if lines {
@@ -105,13 +105,13 @@ impl BudgetSpec {
         Err(wrong)
     }
 
-    /// Checks that limits on attributes apply: triangles have some, and a length or pixels stand beside them.
+    /// Checks that limits on attributes apply: the shape has triangles, and a length or pixels are limited, too.
     pub(crate) fn check_attributes(&self, shape: &Shape) -> Result<(), MeshFailure> {
         if !self.attributes.is_set() {
             return Ok(());
         }
         let message = if !matches!(shape, Shape::Scene(_)) {
-            "limits on texture coordinates and normals are for triangles that have some: this shape gets its own"
+            "limits on texture coordinates and normals apply only to triangles that have these attributes: this shape gets new ones"
         } else if self.length.is_none() && self.pixels.is_none() {
             "limits on texture coordinates and normals need a length or pixels beside them"
         } else {
@@ -131,11 +131,10 @@ impl BudgetSpec {
         })
     }
 
-    /// Resolves the budget for one shape. Returns a sentence on the length where it was converted.
+    /// Resolves the budget for one shape. Returns a sentence on the length if it was converted.
     ///
     /// # Errors
-    /// When the length has a unit and the shape has none, or is a percentage and the shape is a point or has
-    /// no size.
+    /// If the length has a unit and the shape has none, or it is a percentage and the shape has no size.
     pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<Message>), MeshFailure> {
         let mut budget = Budget {
             pixels: self.pixels,

@@ -1,4 +1,4 @@
-//! `Spell` for what the verbs return: a shell has the settings in its messages and certificates spelled.
+//! `Spell` for the results of verbs: a front end spells the settings in their messages and certificates.
 use crate::report::{Certificate, FindingFacts, Report, WarningFacts};
 use crate::{
     BakeOutcome, ConvertOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome,
@@ -6,14 +6,14 @@ use crate::{
 };
 use chordal::budget::advice::{Spell, Spelling};
 
-/// The warnings; they go on into the certificates of what is made of the input.
+/// The warnings; certificates of results take them over from the input.
 impl Spell for Input {
     fn spell(&mut self, spelling: &dyn Spelling) {
         self.warnings.spell(spelling);
     }
 }
 
-/// Implements it for outcomes by their certificates, which go into the files.
+/// Implements [`Spell`] for outcomes by their certificates, which go into the files.
 macro_rules! by_certificate {
     ($($outcome:ident)*) => {$(
         impl Spell for $outcome {
@@ -26,7 +26,7 @@ macro_rules! by_certificate {
 
 by_certificate! { ConvertOutcome MeshOutcome RefineOutcome RenderOutcome }
 
-/// Implements it for outcomes that may be unmet.
+/// Implements [`Spell`] for outcomes that may miss the budget.
 macro_rules! by_certificate_and_reason {
     ($($outcome:ident)*) => {$(
         impl Spell for $outcome {
@@ -42,7 +42,7 @@ macro_rules! by_certificate_and_reason {
 
 by_certificate_and_reason! { BakeOutcome LodOutcome }
 
-/// It advises no setting.
+/// A report of `verify` advises no setting.
 impl Spell for VerifyReport {
     fn spell(&mut self, _: &dyn Spelling) {}
 }

@@ -1,12 +1,11 @@
-//! Curves that are all straight, as the polylines that they are, and what files of polylines do not hold.
+//! Curves that consist of straight lines, as polylines, and the data that files of polylines do not hold.
 use chordal::budget::advice::Message;
 use chordal::explicit::{Curve, CurveSegment, FillRule, Polyline};
 use chordal::math::greater;
 use chordal_io::{Axis, Format, PathSet};
 use std::collections::BTreeSet;
 
-/// The polylines that straight curves are, and how far the exact curves may be from them; `None` where a
-/// piece of one bends.
+/// Straight curves as polylines, with the largest distance of the exact curves from them; `None` if a piece is bent.
 pub(crate) fn straight_lines<const D: usize>(curves: &[Curve<D>]) -> Option<(Vec<Polyline<D>>, f64)> {
     let slack = curves.iter().fold(0.0, |most, curve| greater(curve.slack(), most));
     let lines: Option<Vec<_>> = curves.iter().map(straight_line).collect();
@@ -26,7 +25,7 @@ fn straight_line<const D: usize>(curve: &Curve<D>) -> Option<Polyline<D>> {
     Some(Polyline { points, places: Vec::new(), closed: curve.is_closed() })
 }
 
-/// What a file of polylines does not hold of the elements that they belong to.
+/// Notes on the data of elements that a file of polylines does not hold.
 pub(crate) fn line_losses<T>(drawn: &PathSet<T>, to: Format) -> Vec<Message> {
     let mut lost = Vec::new();
     let mut count = |n: usize, what: &str| {
@@ -47,7 +46,7 @@ pub(crate) fn line_losses<T>(drawn: &PathSet<T>, to: Format) -> Vec<Message> {
     if to == Format::Svg {
         let named: Vec<&str> = elements.iter().map(|e| &*e.name).filter(|name| !name.is_empty()).collect();
         let distinct: BTreeSet<&&str> = named.iter().collect();
-        count(named.len() - distinct.len(), "takes a name once: that of further elements was left out");
+        count(named.len() - distinct.len(), "allows a name once: that of further elements was left out");
         count(usize::from(!drawn.y_down), "shows y growing downwards: the numbers are as they were");
     }
     let up = drawn.frame.up.map(Axis::letter);

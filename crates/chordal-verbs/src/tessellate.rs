@@ -21,11 +21,11 @@ pub(crate) fn tessellate(
     let (scene, bound) = tessellate_scene(shape, length, bounds, notes, job)?;
     let unsupported = |message: Message| JobError::Refused(Refusal::new(RefusalCode::Unsupported, message));
     let mesh = merged_parts::one_mesh(&scene).map_err(|error| unsupported(error.to_string().into()))?;
-    // Numbers of materials that nobody knows here.
+    // Callers do not have the list to which the numbers of materials refer.
     let is_lost = |semantic: &Semantic| {
         matches!(shape, Shape::Field(_)) && *semantic == Semantic::Group(MATERIAL.to_owned())
     };
-    let mesh = if mesh.attributes().iter().any(|one| is_lost(&one.semantic)) {
+    let mesh = if mesh.attributes().iter().any(|attribute| is_lost(&attribute.semantic)) {
         without_attributes(&mesh, is_lost).map_err(|error| unsupported(error.to_string().into()))?
     } else {
         mesh.into_owned()
@@ -33,7 +33,7 @@ pub(crate) fn tessellate(
     Ok(Bounded { shape: mesh, bound })
 }
 
-/// The same as a scene, with the materials of the shape.
+/// The same triangles as a scene, with the materials of the shape.
 pub(crate) fn tessellate_scene(
     shape: &Shape,
     length: Tolerance,
@@ -42,30 +42,31 @@ pub(crate) fn tessellate_scene(
     job: &Job,
 ) -> Result<(Scene, Bound), JobError> {
     let budget = Budget::length(length);
-    // A format that keeps every digit.
+    // PLY keeps every digit.
     let request = MeshRequest::new(budget, Format::Ply, bounds);
-    let made = match shape {
+    let result = match shape {
         Shape::Patches { patches, .. } => {
-            let made = convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort)?;
-            return Ok((Scene::from_mesh("patches", made.shape, *shape.frame()), made.bound));
+            let mesh = convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort)?;
+            return Ok((Scene::from_mesh("patches", mesh.shape, *shape.frame()), mesh.bound));
         }
         Shape::Surfaces { surfaces, .. } => {
-            let made =
+            let mesh =
                 convert::trimmed_surfaces_to_mesh(surfaces, &budget, job).or_else(Failure::best_effort)?;
-            return Ok((Scene::from_mesh("surfaces", made.shape, *shape.frame()), made.bound));
+            return Ok((Scene::from_mesh("surfaces", mesh.shape, *shape.frame()), mesh.bound));
         }
         Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),
         Shape::Volume(sampled) => {
-            let made = isosurface::mesh_volume(sampled, (&request.widened(), SurfaceForm::Cells), notes, job);
-            made.map(|made| (made.scene, made.bound))
+            let surface =
+                isosurface::mesh_volume(sampled, (&request.widened(), SurfaceForm::Cells), notes, job);
+            surface.map(|surface| (surface.scene, surface.bound))
         }
         Shape::Field(field) => field::mesh_field(field, &request.widened(), notes, job),
         _ => Err(MeshFailure::refused(RefusalCode::Unsupported, "this shape has no triangles to work on")),
     };
-    made.map_err(|failure| match failure {
+    result.map_err(|failure| match failure {
         MeshFailure::Cancelled => JobError::Cancelled,
         MeshFailure::Refused(refusal) => JobError::Refused(refusal),
-        // The same code whichever verb asks.
+        // A usage error keeps its code for every verb.
         MeshFailure::Length(_) | MeshFailure::Usage(_) => {
             JobError::Refused(Refusal::new(RefusalCode::Usage, failure.message()))
         }

@@ -1,31 +1,32 @@
-//! `time_limit`: after how long a field is taken as it is, the same in every shell. Shells count the time: nothing here has a
-//! clock.
+//! `time_limit`: the time after which a field is taken as far as it is proved, the same in every front end. Front ends
+//! measure the time: there is no clock here.
 use crate::Shape;
 use chordal::budget::RequiredEvidence;
 use chordal::budget::proof::ProofEffort;
 use std::time::Duration;
 
-/// After how long the best is taken unless something else is said. Chosen: nobody waits longer for a part without a sign.
+/// The default time after which the best result is taken. Chosen: nobody waits longer for a part without a sign of progress.
 const USUAL: Duration = Duration::from_secs(60);
 
-/// After how long a job for a shape is to be told to finish ([`Job::finish`](chordal::Job::finish)): after the time that is
-/// said, or the usual one. A proof that is asked for by name has no end unless one is said, and what is no field has none.
+/// The time after which a front end has to tell a job for a shape to finish ([`Job::finish`](chordal::Job::finish)): the
+/// given time, or the default. An explicitly requested proof has no limit unless one is given, and other shapes than fields
+/// have none.
 #[must_use]
 pub fn time_limit(
     shape: &Shape,
-    said: Option<Duration>,
+    given: Option<Duration>,
     require: Option<RequiredEvidence>,
     effort: ProofEffort,
 ) -> Option<Duration> {
-    let has_no_end = require == Some(RequiredEvidence::Proved) || effort == ProofEffort::Full;
-    let usual = (!has_no_end).then_some(USUAL);
-    said.or(usual).filter(|_| matches!(shape, Shape::Field(_)))
+    let is_unlimited = require == Some(RequiredEvidence::Proved) || effort == ProofEffort::Full;
+    let default_time = (!is_unlimited).then_some(USUAL);
+    given.or(default_time).filter(|_| matches!(shape, Shape::Field(_)))
 }
 
-/// A time as a text.
+/// Parses a time.
 ///
 /// # Errors
-/// A sentence, where it is none, or not above 0.
+/// A sentence, if the text is not a time above 0.
 ///
 /// ```
 /// use std::time::Duration;

@@ -1,4 +1,4 @@
-//! `transform`: the triangles of a scene under an affine map, and what the map and its rounding do to distances.
+//! `transform`: the triangles of a scene under an affine map, and the effect of the map and its rounding on distances.
 use crate::placements::{
     IDENTITY, largest_stretch, nodes_rounding, parts_in_order, scaled_up, smallest_stretch,
 };
@@ -8,25 +8,25 @@ use chordal_io::{Node, Part, Scene, WriteError};
 /// A scene under an affine map.
 #[derive(Clone, Debug)]
 pub struct MovedScene {
-    /// Everything in it, moved.
+    /// The scene with everything in it moved.
     pub scene: Scene,
-    /// What the map does to distances.
+    /// The effect of the map on distances.
     pub stretch: Stretch,
 }
 
-/// What an affine map does to distances, rounding included.
+/// The effect of an affine map on distances, rounding included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// The largest factor by which the map lengthens, rounded up.
     longest: f64,
-    /// The smallest one, rounded down.
+    /// The smallest such factor, rounded down.
     shortest: f64,
-    /// How far a vertex may be from where the map takes it, rounded up.
+    /// The largest distance of a vertex from its exact image, rounded up.
     rounding: f64,
 }
 
 impl Stretch {
-    /// What becomes of an interval that holds the distance of the scene to another shape, which the map takes along.
+    /// Maps an interval that holds the distance of the scene to another shape, if both shapes are moved by the map.
     #[must_use]
     pub fn interval(self, at_least: f64, at_most: Option<f64>) -> (f64, Option<f64>) {
         let least = sub_down(mul_down(at_least, self.shortest), self.rounding);
@@ -35,11 +35,11 @@ impl Stretch {
     }
 }
 
-/// The triangles of a scene under a map by its column-major 4 × 4 matrix, with all that the scene says beside. Faces are
-/// wound the other way round where the map mirrors, so that the front stays the front.
+/// The triangles of a scene under a map by its column-major 4 × 4 matrix, with all other data of the scene. If the map
+/// mirrors, faces are wound the other way round, so that front sides stay front sides.
 ///
-/// Where every part is shown once and as it is, and nothing moves in time, the numbers of the parts change: positions,
-/// normals and tangents. Else the scene gets a node above all others, and its parts stay as they are.
+/// If every part is shown once without a transform, and nothing is animated, the coordinates of the parts change:
+/// positions, normals and tangents. Otherwise the scene gets a node above all others, and its parts stay as they are.
 ///
 /// # Errors
 /// [`WriteError::Unsupported`] for a map that is not affine or leads out of range.
@@ -58,11 +58,11 @@ impl Stretch {
 /// ```
 pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteError> {
     let mut moved = scene.clone();
-    // What it certifies is where it was.
+    // The certificate is for the old place.
     moved.certificate = None;
     moved.roots = vec![moved.nodes.len()];
     moved.nodes.push(Node { matrix: (*matrix).into(), children: scene.roots.clone(), ..Node::default() });
-    // What was rounded before is carried along.
+    // The rounding of the scene's own nodes is stretched, too.
     let longest = largest_stretch(matrix);
     let rounding = add_up(nodes_rounding(&moved), scaled_up(nodes_rounding(scene), longest));
     let shortest = smallest_stretch(matrix);
@@ -77,9 +77,9 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteE
     Ok(MovedScene { scene: moved, stretch: Stretch { longest, shortest, rounding } })
 }
 
-/// How far what a scene shows is from what it was composed of, rounded up: where `known` says of nodes how far all below
-/// them is from the truth, in their own coordinates, and of all else that it is the truth. The nodes stretch that on their
-/// way up, and their rounding is added.
+/// A bound for the distance of a scene from the shapes that it was composed of, rounded up. `bounds` has nodes, each with
+/// the distance of everything below it in its own coordinates; all other parts are exact. The nodes above stretch these
+/// distances, and the rounding of the nodes is added.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -92,7 +92,7 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteE
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
-pub fn composed_bound(scene: &Scene, known: &[(usize, f64)]) -> f64 {
+pub fn composed_bound(scene: &Scene, bounds: &[(usize, f64)]) -> f64 {
     let mut stretches = vec![0.0; scene.nodes.len()];
     let mut open: Vec<(usize, f64)> = scene.roots.iter().map(|root| (*root, 1.0)).collect();
     while let Some((at, above)) = open.pop() {
@@ -100,14 +100,15 @@ pub fn composed_bound(scene: &Scene, known: &[(usize, f64)]) -> f64 {
         stretches[at] = scaled_up(largest_stretch(&node.matrix), above);
         open.extend(node.children.iter().map(|child| (*child, stretches[at])));
     }
-    let stretched = |(at, off): &(usize, f64)| scaled_up(*off, stretches.get(*at).copied().unwrap_or(0.0));
-    // What is not moved is not rounded, and a sum is rounded up even where nothing is added.
+    let stretched =
+        |(node, bound): &(usize, f64)| scaled_up(*bound, stretches.get(*node).copied().unwrap_or(0.0));
+    // A scene without transforms is not rounded; and adding 0 upwards would still round up.
     let rounding = nodes_rounding(scene);
-    let off = known.iter().map(stretched).fold(0.0, greater);
-    if rounding > 0.0 { add_up(off, rounding) } else { off }
+    let largest = bounds.iter().map(stretched).fold(0.0, greater);
+    if rounding > 0.0 { add_up(largest, rounding) } else { largest }
 }
 
-/// Whether every part is shown once and as it is, by a node that says nothing else.
+/// Whether every part is shown once and untransformed, by a node without other data, and nothing is animated.
 fn is_plain(scene: &Scene) -> bool {
     let mut shown = vec![0_u32; scene.parts.len()];
     parts_in_order(scene).into_iter().for_each(|part| shown[part] += 1);
@@ -150,7 +151,7 @@ mod tests {
             near(composed_bound(&scene, &[(0, 1.0)]), 4.0) && near(composed_bound(&scene, &[(1, 1.0)]), 4.0)
         );
         assert!(near(composed_bound(&scene, &[(2, 1.0), (0, 0.25)]), 2.0));
-        // What is moved is rounded, whatever is known of it.
+        // Moved parts are rounded, even without a bound of their own.
         let rounding = composed_bound(&scene, &[]);
         assert!(rounding > 0.0 && rounding < 1e-13);
         assert!(composed_bound(&triangle(), &[]) <= 0.0);
@@ -190,7 +191,7 @@ mod tests {
             let long = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
             let image = [0, 1, 2].map(|r| map[r] * v[0] + map[4 + r] * v[1] + map[8 + r] * v[2]);
             let (least, most) = moved.stretch.interval(long(v), Some(long(v)));
-            // 1e-12 of it: what the lengths here are rounded by.
+            // 1e-12 of the length covers the rounding of the lengths here.
             assert!(
                 least <= long(image) * (1.0 + 1e-12) && long(image) <= most.expect("bounded") * (1.0 + 1e-12)
             );

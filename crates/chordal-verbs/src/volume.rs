@@ -21,14 +21,14 @@ impl VolumeShape {
     #[must_use]
     pub fn bounds(&self) -> Box3 {
         let last = self.volume.grid.size().map(|n| (n - 1) as f64);
-        (0..8).fold(Box3::EMPTY, |all, corner| {
+        (0..8).fold(Box3::EMPTY, |bounds, corner| {
             let index = std::array::from_fn(|k| if corner >> k & 1 == 1 { last[k] } else { 0.0 });
-            all.with(self.volume.grid.affine().at(index))
+            bounds.with(self.volume.grid.affine().at(index))
         })
     }
 }
 
-/// The choice of a volume's surface; what is not given follows from the samples.
+/// The choice of a volume's surface; values that are not given follow from the samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceSpec {
     /// The level.
@@ -48,14 +48,14 @@ pub struct SurfaceSpec {
 pub enum LabelSelection {
     /// All but 0, the background.
     All,
-    /// These.
+    /// The labels in a list.
     Listed(Vec<i64>),
 }
 
 /// A summary of the samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValueRange {
-    /// The lowest and highest finite sample; `None` where there is none.
+    /// The lowest and highest finite sample; `None` if there is none.
     pub ends: Option<[f64; 2]>,
     /// Samples that are NaN.
     pub nan: u64,
@@ -63,7 +63,7 @@ pub struct ValueRange {
     pub infinite: u64,
     /// Whether all finite samples are whole numbers, of whatever type.
     pub is_whole: bool,
-    /// How often each value occurs, where all are whole numbers and there are few enough distinct values.
+    /// How often each value occurs, if all are whole numbers and there are few enough distinct values.
     pub labels: Option<BTreeMap<i64, u64>>,
 }
 
@@ -86,11 +86,11 @@ impl SuggestedLevel {
     }
 }
 
-/// The tolerance around 0 and 1 of floating-point samples that count as an occupancy: chosen, so that
-/// ambiguous samples require an explicit level instead of a guess.
+/// The tolerance around 0 for floating-point samples of an occupancy, and the least value near 1. Chosen: so that ambiguous
+/// samples require an explicit level instead of a guess.
 const FROM_0: f64 = 0.05;
 const NEARLY_1: f64 = 0.9;
-/// At most this many distinct values may be labels.
+/// The most distinct values that may be labels. Chosen: larger values take scans in few gray levels for labels.
 const FEW_LABELS: usize = 128;
 
 /// Whether the file states that the samples are baked distances.
@@ -99,29 +99,29 @@ fn is_baked(volume: &Volume) -> bool {
         .certificate
         .as_ref()
         .and_then(|certificate| certificate.get("baked"))
-        .is_some_and(|of| !of.is_null())
+        .is_some_and(|baked| !baked.is_null())
 }
 
-/// More distinct values than these are no labels.
+/// Samples with more distinct values than this are not labels.
 const MOST_LABELS: usize = 1 << 16;
 
-/// Whether a finite sample is a whole number. Those beyond `i64` are no labels of anybody's.
+/// Whether a finite sample is a whole number. Numbers beyond `i64` are never labels.
 fn is_whole(x: f64) -> bool {
     // Defined: the range of i64, whose upper end is no double.
     x == x.trunc() && (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x)
 }
 
-/// How many samples at the ends of a lattice are below 0, above it, and numbers at all.
+/// The numbers of samples at the ends of a lattice: below 0, above 0, and all that are not NaN.
 struct EndSigns {
     below: u64,
     above: u64,
-    all: u64,
+    total: u64,
 }
 
 impl EndSigns {
     fn from_grid(grid: &Grid) -> Self {
         let [nx, ny, nz] = grid.size();
-        let mut signs = Self { below: 0, above: 0, all: 0 };
+        let mut signs = Self { below: 0, above: 0, total: 0 };
         for z in 0..nz {
             for y in 0..ny {
                 let is_end = z == 0 || z + 1 == nz || y == 0 || y + 1 == ny;
@@ -130,7 +130,7 @@ impl EndSigns {
                     let sample = grid.sample([x, y, z]);
                     signs.below += u64::from(sample < 0.0);
                     signs.above += u64::from(sample > 0.0);
-                    signs.all += u64::from(!sample.is_nan());
+                    signs.total += u64::from(!sample.is_nan());
                 }
             }
         }
@@ -184,12 +184,12 @@ impl ValueRange {
         }
     }
 
-    /// Which samples are inside at a level for which nobody said it. Numbers count and not their type, so that a scan is the same
-    /// solid in whole numbers and in floats. At level 0 it is that which is not at most ends of the lattice: a scan has air there,
-    /// below 0, and distances are positive outside.
+    /// The default for which samples are inside at a level. It depends on the numbers and not on their type, so that a scan
+    /// is the same solid in whole numbers and in floats. At level 0, the sign at most ends of the lattice is outside: a
+    /// scan has air there, below 0, and distances are positive outside.
     pub(crate) fn default_side(&self, level: f64, volume: &Volume) -> Inside {
         match self.suggest(volume) {
-            Some(found) if found.level == level => found.inside,
+            Some(suggestion) if suggestion.level == level => suggestion.inside,
             _ if level == 0.0 && self.is_signed() => side_of_ends(&EndSigns::from_grid(&volume.grid)),
             _ => Inside::High,
         }
@@ -200,50 +200,50 @@ impl ValueRange {
         self.ends.is_some_and(|[low, high]| low < 0.0 && high > 0.0)
     }
 
-    /// Whether samples look like distances: outside, where they are positive, is at most ends of the lattice. Few distances are
-    /// whole numbers, and many intensities; these have to be positive at all ends.
+    /// Whether samples look like distances: most ends of the lattice are positive, that is, outside. If the samples are
+    /// whole numbers, all ends have to be positive, since many intensities and few distances are whole numbers.
     fn looks_like_distances(&self, volume: &Volume) -> bool {
         if !self.is_signed() {
             return false;
         }
         let signs = EndSigns::from_grid(&volume.grid);
-        if self.is_whole { signs.above == signs.all } else { side_of_ends(&signs) == Inside::Low }
+        if self.is_whole { signs.above == signs.total } else { side_of_ends(&signs) == Inside::Low }
     }
 
-    /// Suggests a level for samples in this range; `None` where all are equal.
+    /// Suggests a level for samples in this range; `None` if all are equal.
     #[must_use]
     pub fn suggest(&self, volume: &Volume) -> Option<SuggestedLevel> {
         let samples = volume.grid.samples();
         let [low, high] = self.ends.filter(|[low, high]| low < high)?;
         let is_float = !self.is_whole;
-        let found = |level, inside, kind| Some(SuggestedLevel { level, inside, kind });
+        let suggestion = |level, inside, kind| Some(SuggestedLevel { level, inside, kind });
         if is_baked(volume) || self.looks_like_distances(volume) {
-            return found(0.0, Inside::Low, "signed distance");
+            return suggestion(0.0, Inside::Low, "signed distance");
         }
         if !is_float && self.labels.as_ref().is_some_and(|values| values.len() == 2) {
             let level = 0.5 * low + 0.5 * high;
             let is_signed = level == 0.0 && self.is_signed();
             let side =
                 if is_signed { side_of_ends(&EndSigns::from_grid(&volume.grid)) } else { Inside::High };
-            return found(level, side, "mask");
+            return suggestion(level, side, "mask");
         }
-        // Between 0 and less than nearly 1 they may also be distances from a sheet.
+        // Samples between 0 and well below 1 may also be distances from a sheet.
         let is_sheet = low < FROM_0 && high < NEARLY_1;
         if is_float && low >= 0.0 && high <= 1.0 && low < 0.5 && high > 0.5 && !is_sheet {
-            return found(0.5, Inside::High, "occupancy");
+            return suggestion(0.5, Inside::High, "occupancy");
         }
         let level = otsu_threshold(samples, [low, high]);
         // Between whole numbers no sample equals the level.
-        found(if is_float { level } else { level.floor() + 0.5 }, Inside::High, "intensity")
+        suggestion(if is_float { level } else { level.floor() + 0.5 }, Inside::High, "intensity")
     }
 }
 
-/// The side of 0 that is inside, where the other is at most ends of the lattice.
+/// The side of 0 that is inside, if the other side is at most ends of the lattice.
 fn side_of_ends(signs: &EndSigns) -> Inside {
-    if 2 * signs.below > signs.all { Inside::High } else { Inside::Low }
+    if 2 * signs.below > signs.total { Inside::High } else { Inside::Low }
 }
 
-/// Whether samples at the border of a lattice are inside of the surface at a level, so that it reaches the border.
+/// Whether samples at the border of a lattice are inside the surface at a level, so that it reaches the border.
 pub(crate) fn reaches_border<G: SampleGrid>(grid: &G, level: f64, inside: Inside) -> bool {
     let [nx, ny, nz] = grid.size();
     let is_inside = |at: [usize; 3]| match inside {
@@ -262,7 +262,7 @@ pub(crate) fn reaches_border<G: SampleGrid>(grid: &G, level: f64, inside: Inside
     })
 }
 
-/// Bins of a histogram.
+/// Bins of a histogram. Chosen: as many as 8-bit samples have values.
 const BOXES: usize = 256;
 
 /// The level that separates samples into two classes of maximal variance between them, by their histogram.
@@ -279,20 +279,20 @@ fn otsu_threshold(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
             counts[(part as usize).min(BOXES - 1)] += 1;
         }
     }
-    let all: u64 = counts.iter().sum();
+    let n_samples: u64 = counts.iter().sum();
     let total: f64 = counts.iter().enumerate().map(|(k, n)| k as f64 * *n as f64).sum();
     let (mut below, mut sum, mut most) = (0_u64, 0.0, -1.0);
-    // Between modes that are far apart many levels are equally good: the first and the last of them.
+    // Between modes that are far apart, many levels are equally good: remember the first and the last of them.
     let (mut best, mut last) = (0, 0);
     for (k, n) in counts.iter().enumerate().take(BOXES - 1) {
         below += n;
         sum += k as f64 * *n as f64;
-        let above = all - below;
+        let above = n_samples - below;
         if below == 0 || above == 0 {
             continue;
         }
-        let apart = sum / below as f64 - (total - sum) / above as f64;
-        let between = below as f64 * above as f64 * apart * apart;
+        let difference = sum / below as f64 - (total - sum) / above as f64;
+        let between = below as f64 * above as f64 * difference * difference;
         if between > most {
             (best, most) = (k, between);
         }

@@ -1,4 +1,4 @@
-//! Where samples on a lattice are at a level: as a field, and how far that surface is from triangles.
+//! The surface of samples on a lattice at a level: as a field, and its distance from triangles.
 use crate::volume::reaches_border;
 use crate::{ImplicitShape, MeshFailure};
 use chordal::budget::{Bound, Tolerance};
@@ -11,8 +11,8 @@ use chordal::{Job, Mesh};
 use chordal_io::Frame;
 use std::sync::Arc;
 
-/// The interpolant of samples as a field, negative inside of the surface at a level; `None` where a sample is no
-/// number or the surface reaches the border, beyond which the samples say nothing.
+/// The interpolant of samples as a field, negative inside of the surface at a level; `None` if a sample is not a number, or
+/// the surface reaches the border, beyond which there are no samples.
 pub(crate) fn level_field<G: SampleGrid + Clone + 'static>(
     grid: &G,
     level: f64,
@@ -32,16 +32,16 @@ pub(crate) fn level_field<G: SampleGrid + Clone + 'static>(
         grid.affine().at(std::array::from_fn(|k| if corner >> k & 1 == 1 { last[k] } else { 0.0 }))
     };
     let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
-    // All that is inside is within the box, so that cutting the field off there changes nothing, and makes it known.
+    // Everything inside is within the box, so that clipping the field there changes nothing, and gives it known bounds.
     let region = Some(Box3::from_points(&corners));
     Some(ImplicitShape::new(Field::new(expr), region, Frame::default()).solid())
 }
 
-/// The distance between triangles and where the interpolant of samples vanishes, both ways, judged without knowing
-/// how the samples were made; `None` where nothing can be proved.
+/// The two-sided distance between triangles and the zero set of the interpolant of samples, by a judge that does not depend
+/// on how the samples were computed; `None` if nothing can be proved.
 ///
-/// A limit is asked for and not the distance itself, which would take some fifty times as long: the first of a few
-/// shares of the spacing that holds.
+/// The judge only decides on limits, of which the first of a few shares of the spacing that holds is returned; the distance
+/// itself would take some fifty times as long.
 pub(crate) fn zero_set_distance<G: SampleGrid>(
     grid: &G,
     mesh: &Mesh,
@@ -64,7 +64,7 @@ fn is_finite<G: SampleGrid>(grid: &G) -> bool {
     (0..nz).all(|k| (0..ny).all(|j| (0..nx).all(|i| grid.sample([i, j, k]).is_finite())))
 }
 
-/// Shares of the spacing of samples: smooth surfaces are within the first; the third is the most that the interpolant
-/// of true distances can be off on its own surface, √3/2 of it, rounded up; sharp corners are cut off by several. Chosen,
-/// but for the third.
+/// Shares of the spacing of samples. Chosen: smooth surfaces are within the first share; sharp corners are cut off by
+/// several. The third is derived: the interpolant of true distances is off by at most √3/2 of the spacing on its own
+/// surface, rounded up.
 const SHARES: [f64; 6] = [0.125, 0.5, 0.875, 2.0, 4.0, 8.0];

@@ -155,7 +155,7 @@ fn weights_of_joints_are_blended_where_vertices_go() {
         );
     }
     let notes: Vec<String> = made.certificate.notes.iter().map(ToString::to_string).collect();
-    assert!(notes.iter().any(|note| note.starts_with("the bound is of the rest pose")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.starts_with("the bound is for the rest pose")), "{notes:?}");
 }
 
 /// Blends of ones are ones: glTF holds no colour beyond them.

@@ -64,7 +64,7 @@ const SENTENCES: Record<string, string> = {
   "all corners lie on one line, so that there is no normal": "三个角在一条直线上，没有法线。",
   "longer than 100 heights, with a weak normal": "长度超过高的 100 倍，法线不可靠。",
   "no triangle has a corner there": "没有三角形用到它。",
-  "what fills it may cross the surface, which `inspect --self-intersections` tells afterwards":
+  "the filling may cross the surface, which `inspect --self-intersections` shows afterwards":
     "填补的三角形可能穿过曲面，补后请检查自相交。",
   "move them apart or unite the solids in the program that made them; winding numbers still tell what is inside":
     "请在制作它的程序中把它们移开，或合并成一个实体；环绕数仍能判断内外。",
@@ -114,7 +114,7 @@ function sentence(english: string): string | undefined {
 /** Replaces the command's options in a sentence by words. */
 const worded = (english: string): string =>
   english
-    .replace("which `inspect --self-intersections` tells afterwards", "which a search for self-intersections tells afterwards")
+    .replace("which `inspect --self-intersections` shows afterwards", "which a search for self-intersections shows afterwards")
     .replace(/which `mend --weld=[^`]+` joins/, "which welding joins");
 
 /** The options for welding over a distance that a sentence names: only the reader can decide on that repair. */

@@ -17,12 +17,13 @@ use chordal::implicit::evaluation::SampleGrid;
 use chordal::math::{add_up, greater, sub_down};
 use chordal_io::{Format, Frame, Volume, WriteError, write_sparse_volume, write_volume};
 use samples::BakedSamples;
-pub(crate) use samples::{interpolant_off, off_at_most};
+pub(crate) use samples::{interpolant_error, off_at_most};
 use source::{DistanceSource, SampledDistances};
 pub use spec::{BakeResolution, BakeSpec};
 use std::io::Write;
 use std::sync::Arc;
 
+/// The note if there is no bound for the surface of the samples.
 const UNBOUNDED: &str = "nothing was proved of how far the surface of the samples is from the shape: take smaller \
                          cells, and mend holes";
 
@@ -33,18 +34,18 @@ pub struct BakeOutcome {
     pub volume: BakedVolume,
     /// The output format.
     pub format: Format,
-    /// What is known of the grid.
+    /// The facts about the grid.
     pub certificate: Certificate,
-    /// Why the budget was not met, where it was not: this is the best that was reached.
+    /// Why the budget was not met, if it was not: then this is the best result that was reached.
     pub unmet: Option<Message>,
 }
 
 /// Samples with their frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BakedVolume {
-    /// All of them.
+    /// All samples.
     Dense(Volume),
-    /// Those of the bricks that a band reaches.
+    /// The samples of the bricks that a band reaches.
     Sparse(SparseGrid, Frame),
 }
 
@@ -60,10 +61,10 @@ impl BakedVolume {
 }
 
 impl BakeOutcome {
-    /// Writes the grid, and the certificate where the format carries one.
+    /// Writes the grid, with the certificate if the format can carry it.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let certificate = Some(self.certificate.to_value());
         match &self.volume {
@@ -75,14 +76,14 @@ impl BakeOutcome {
     }
 }
 
-/// Samples the signed distance to a shape on a cubic lattice, negative inside. Every distance is then bounded from
-/// both sides, so that the error in the certificate is proved; and so is that of the interpolant.
+/// Samples the signed distance to a shape on a cubic lattice, negative inside. Every distance is then bounded from both
+/// sides, so that the errors of the samples and of their interpolant in the certificate are proved.
 ///
-/// Triangles are taken as they are, and a field whose value is a distance on both sides is sampled itself. Other
-/// shapes are meshed first, within a 16th of a cell or a quarter of the length, which the bounds contain.
+/// Triangles are taken as they are, and a field whose value is a distance on both sides is sampled itself. Other shapes
+/// are meshed first, within a 16th of a cell or a quarter of the length; the bounds include that error.
 ///
 /// # Errors
-/// When the shape bounds nothing or the format holds no lattice; as for [`mesh_to_grid`](chordal::convert::mesh_to_grid).
+/// If the shape bounds nothing or the format holds no lattice; as for [`mesh_to_grid`](chordal::convert::mesh_to_grid).
 ///
 /// ```
 /// use chordal_io::Format;
@@ -125,28 +126,28 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     let longest = longest_side(&input)?;
     let needs_triangles = spec.is_bounded || limit.is_some();
     let source = DistanceSource::new(input.shape, (within, needs_triangles), &mut certificate.notes, job)?;
-    let (made, surface, unmet) = match (spec.resolution, limit) {
+    let (sampled, surface, unmet) = match (spec.resolution, limit) {
         (BakeResolution::Cells(cells), _) => {
-            let made = source.sample(cells, spec, job)?;
-            let surface = if spec.is_bounded { surface_of(&source, &made, job)? } else { None };
+            let sampled = source.sample(cells, spec, job)?;
+            let surface = if spec.is_bounded { surface_of(&source, &sampled, job)? } else { None };
             if spec.is_bounded && surface.is_none() {
                 certificate.notes.push(UNBOUNDED.into());
             }
-            (made, surface, None)
+            (sampled, surface, None)
         }
         (_, limit) => bake_within(&source, (limit.unwrap_or(within), longest), spec, job)?,
     };
     certificate.bound = surface.as_ref().map(BoundFacts::new);
-    certificate.baked = Some(facts(&source, &made, job)?);
-    if let Some(solid) = made.solid.as_ref().filter(|solid| !solid.is_solid()) {
+    certificate.baked = Some(facts(&source, &sampled, job)?);
+    if let Some(solid) = sampled.solid.as_ref().filter(|solid| !solid.is_solid()) {
         certificate.notes.push(solid.to_string().into());
     }
     if to == Format::Npy {
-        certificate.notes.push("npy holds no place and no step: this report has both".into());
+        certificate.notes.push("npy holds no origin and no step: this report has both".into());
     }
-    // An array has no place and no step of its own.
-    certificate.conclude(("volume", to), (to != Format::Npy).then(|| samples_digest(&made.samples)));
-    let volume = match made.samples {
+    // An array does not hold the origin and the step of the lattice.
+    certificate.conclude(("volume", to), (to != Format::Npy).then(|| samples_digest(&sampled.samples)));
+    let volume = match sampled.samples {
         BakedSamples::Dense(grid) => {
             BakedVolume::Dense(Volume { frame, ..Volume::from_grid(Arc::unwrap_or_clone(grid)) })
         }
@@ -155,10 +156,10 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     Ok(BakeOutcome { volume, format: to, certificate, unmet })
 }
 
-/// The share of a length within which a shape is meshed. Chosen: what is left is for the lattice.
+/// The share of a length within which a shape is meshed. Chosen: most of the length stays for the lattice.
 const LENGTH_SHARE: f64 = 0.25;
-/// The share of a cell within which a shape is meshed where cells are given. Chosen: an interpolant of smooth distances
-/// is off by about as much.
+/// The share of a cell within which a shape is meshed if cells are given. Chosen: the error of an interpolant of smooth
+/// distances is about as large.
 const CELL_SHARE: f64 = 1.0 / 16.0;
 
 fn longest_side(input: &Input) -> Result<f64, MeshFailure> {
@@ -166,18 +167,18 @@ fn longest_side(input: &Input) -> Result<f64, MeshFailure> {
     Ok((0..3).fold(0.0, |most, k| greater(bounds.max[k] - bounds.min[k], most)))
 }
 
-/// How far the surface of samples is from the shape; `None` where nothing is proved.
+/// A bound for the distance of the surface of samples from the shape; `None` if nothing is proved.
 fn surface_of(
     source: &DistanceSource,
-    made: &SampledDistances,
+    sampled: &SampledDistances,
     job: &Job,
 ) -> Result<Option<Bound>, MeshFailure> {
     let Some(triangles) = &source.triangles else { return Ok(None) };
-    let found = zero_set_distance(&made.samples, &triangles.mesh, job)?;
-    Ok(found.map(|found| triangles.then(&found)))
+    let bound = zero_set_distance(&sampled.samples, &triangles.mesh, job)?;
+    Ok(bound.map(|bound| triangles.then(&bound)))
 }
 
-/// The first lattice whose surface is proved to be within a length of the shape, or the best that there is, and why.
+/// The first lattice whose surface is proved to be within a length of the shape; or else the best one, and why it is not.
 fn bake_within(
     source: &DistanceSource,
     (limit, longest): (Tolerance, f64),
@@ -185,20 +186,21 @@ fn bake_within(
     job: &Job,
 ) -> Result<(SampledDistances, Option<Bound>, Option<Message>), MeshFailure> {
     let lost = source.triangles.as_ref().and_then(|triangles| triangles.bound.at_most());
-    // The sum of both is rounded up once, by less than is taken away here.
-    let left = lost.map_or(0.0, |lost| sub_down(sub_down(limit.get(), lost), f64::EPSILON * limit.get()));
-    let Ok(left) = Tolerance::new(left) else {
+    // The sum of both parts is rounded up once; the rounding is less than the last term here.
+    let remaining =
+        lost.map_or(0.0, |lost| sub_down(sub_down(limit.get(), lost), f64::EPSILON * limit.get()));
+    let Ok(remaining) = Tolerance::new(remaining) else {
         let message =
             format!("the shape is not proved to be meshed within {limit}, as a length for its lattice asks");
         return Err(MeshFailure::refused(RefusalCode::Budget, message));
     };
     let cells_for = |share: f64| {
-        let cells = (longest / left.get() * share).ceil();
-        // Beyond any lattice, so that it is refused there.
+        let cells = (longest / remaining.get() * share).ceil();
+        // More cells than any lattice may have, so that the lattice refuses them.
         if cells < FEWEST { FEWEST as usize } else { cells as usize }
     };
     let mut best: Option<SampledDistances> = None;
-    let mut why = None;
+    let mut reason = None;
     let mut tried = 0;
     for share in SHARES {
         let cells = cells_for(share);
@@ -207,18 +209,18 @@ fn bake_within(
         }
         tried = cells;
         if share > MANY && cells as f64 > MOST_CELLS {
-            why = Some(
+            reason = Some(
                 format!("{cells} cells along the longest side would be next, which are not tried unasked")
                     .into(),
             );
             break;
         }
-        let made = match source.sample(cells, spec, job) {
-            Ok(made) => made,
+        let sampled = match source.sample(cells, spec, job) {
+            Ok(sampled) => sampled,
             Err(MeshFailure::Refused(refusal)) if best.is_some() => {
                 let message =
                     Message::from(format!("{cells} cells along the longest side would be next, and "));
-                why = Some(
+                reason = Some(
                     message
                         .message(&refusal.message)
                         .words(": ")
@@ -229,96 +231,98 @@ fn bake_within(
             }
             Err(failure) => return Err(failure),
         };
-        if let Some(found) = zero_set_deviation(triangles_of(source)?, &made.samples, left, job)? {
-            let bound = source.triangles.as_ref().map(|triangles| triangles.then(&found));
+        if let Some(bound) = zero_set_deviation(triangles_of(source)?, &sampled.samples, remaining, job)? {
+            let bound = source.triangles.as_ref().map(|triangles| triangles.then(&bound));
             if bound.as_ref().and_then(Bound::at_most).is_some_and(|most| most <= limit.get()) {
-                return Ok((made, bound, None));
+                return Ok((sampled, bound, None));
             }
         }
-        let is_closed = made.solid.as_ref().is_none_or(|solid| solid.closed);
-        best = Some(made);
+        let is_closed = sampled.solid.as_ref().is_none_or(|solid| solid.closed);
+        best = Some(sampled);
         if !is_closed {
-            why = Some(
+            reason = Some(
                 "the mesh has holes, which the surface of samples closes somehow: mend them first".into(),
             );
             break;
         }
     }
-    let Some(made) = best else {
+    let Some(sampled) = best else {
         return Err(MeshFailure::refused(RefusalCode::Budget, "no lattice was tried"));
     };
-    let bound = surface_of(source, &made, job)?;
-    // Lengths that are a share of a cell may be proved where the whole limit was not.
+    let bound = surface_of(source, &sampled, job)?;
+    // The bound may be proved with lengths in shares of a cell although it was not with the whole limit.
     if bound.as_ref().and_then(Bound::at_most).is_some_and(|most| most <= limit.get()) {
-        return Ok((made, bound, None));
+        return Ok((sampled, bound, None));
     }
     let reached = bound.as_ref().map_or_else(|| "no bound".to_owned(), Bound::to_string);
-    let [x, y, z] = made.samples.size();
+    let [x, y, z] = sampled.samples.size();
     let mut message = Message::from(format!(
         "the budget was not met; the best reached is {reached} with {x} x {y} x {z} samples"
     ));
-    let why = why.unwrap_or_else(|| {
+    let reason = reason.unwrap_or_else(|| {
         "cells of a 64th of the length prove no more: parts may be thinner than it, or corners too sharp"
             .into()
     });
-    message = message.words("; ").message(&why);
-    Ok((made, bound, Some(message)))
+    message = message.words("; ").message(&reason);
+    Ok((sampled, bound, Some(message)))
 }
 
 fn triangles_of(source: &DistanceSource) -> Result<&chordal::Mesh, MeshFailure> {
     let triangles = source.triangles.as_ref().map(|triangles| &triangles.mesh);
-    triangles
-        .ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there are no triangles to be away from"))
+    triangles.ok_or_else(|| {
+        MeshFailure::refused(RefusalCode::Empty, "there are no triangles to measure distances to")
+    })
 }
 
-/// The cells of a lattice that are tried, as shares of as many as there would be of the size of the length: the
-/// interpolant of a smooth shape is off by far less than a cell, and sharp corners are cut off by several. Chosen, up to
-/// where thin parts are mostly what keeps the bound.
+/// The numbers of cells to try, as shares of the number for cells as large as the length: the interpolant of a smooth shape
+/// is off by far less than a cell, and sharp corners are cut off by several. Chosen: finer lattices rarely help, since
+/// mostly thin parts miss the bound then.
 const SHARES: [f64; 12] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0];
-/// From more than this share on, lattices are tried up to a size only. Chosen: a gigabyte of samples is more than a sharp
-/// corner is mostly worth.
+/// From more than this share on, lattices are tried only up to a size. Chosen: a sharp corner is rarely worth a gigabyte of
+/// samples.
 const MANY: f64 = 2.0;
 /// That size, in cells along the longest side.
 const MOST_CELLS: f64 = 512.0;
-/// The fewest cells along the longest side; chosen, so that a shape is told from a ball.
+/// The fewest cells along the longest side. Chosen: fewer do not tell a shape from a ball.
 const FEWEST: f64 = 8.0;
 
-/// What is known of samples.
+/// The facts about samples for the certificate.
 fn facts(
     source: &DistanceSource,
-    made: &SampledDistances,
+    sampled: &SampledDistances,
     job: &Job,
 ) -> Result<DistanceGridFacts, MeshFailure> {
-    let off = source.off_at_most(made, job)?;
+    let error = source.off_at_most(sampled, job)?;
     let (lost, evidence) = match &source.triangles {
         Some(triangles) if source.route() != "field" => {
             (triangles.bound.at_most(), triangles.bound.evidence().clone())
         }
         _ => (Some(0.0), Evidence::Proved),
     };
-    let off_at_most =
-        lost.map(|lost| if lost == 0.0 { off } else { add_up(off, lost) }).filter(|off| off.is_finite());
-    let is_closed = made.solid.as_ref().is_none_or(|solid| solid.closed);
-    let interpolant = off_at_most.filter(|_| is_closed).map(|off| InterpolantFacts {
-        at_most: interpolant_off(&made.samples, off),
+    let off_at_most = lost
+        .map(|lost| if lost == 0.0 { error } else { add_up(error, lost) })
+        .filter(|error| error.is_finite());
+    let is_closed = sampled.solid.as_ref().is_none_or(|solid| solid.closed);
+    let interpolant = off_at_most.filter(|_| is_closed).map(|error| InterpolantFacts {
+        at_most: interpolant_error(&sampled.samples, error),
         evidence: evidence.as_str(),
         of: if source.route() == "tessellation" { "distance" } else { "signed distance" },
     });
-    let affine = made.samples.affine();
+    let affine = sampled.samples.affine();
     Ok(DistanceGridFacts {
         route: source.route(),
-        size: made.samples.size().map(|n| n as u64),
+        size: sampled.samples.size().map(|n| n as u64),
         origin: affine.at([0.0; 3]),
         spacing: affine.rows()[0][0],
-        band: made.band.is_finite().then_some(made.band),
-        distances: made.n_within,
+        band: sampled.band.is_finite().then_some(sampled.band),
+        distances: sampled.n_within,
         off_at_most,
         evidence: evidence.as_str(),
         interpolant,
-        bricks: match &made.samples {
+        bricks: match &sampled.samples {
             BakedSamples::Dense(_) => None,
             BakedSamples::Sparse(grid) => Some(grid.n_bricks().map(|n| n as u64)),
         },
-        solid: made.solid.as_ref().map(SolidFacts::new),
+        solid: sampled.solid.as_ref().map(SolidFacts::new),
     })
 }

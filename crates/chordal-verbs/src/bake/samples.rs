@@ -1,4 +1,4 @@
-//! `BakedSamples`: distances on a lattice, dense or in bricks, and how far they are off at most.
+//! `BakedSamples`: distances on a lattice, dense or in bricks, and bounds for their errors.
 use crate::MeshFailure;
 use chordal::budget::{JobError, Refusal, RefusalCode, par_map};
 use chordal::convert::lattices::Lattice;
@@ -13,9 +13,9 @@ use std::sync::Arc;
 /// Samples on a lattice.
 #[derive(Clone, Debug)]
 pub(crate) enum BakedSamples {
-    /// All of them.
+    /// All samples.
     Dense(Arc<Grid>),
-    /// Those of the bricks that a band reaches.
+    /// The samples of the bricks that a band reaches.
     Sparse(Arc<SparseGrid>),
 }
 
@@ -50,58 +50,59 @@ impl SampleGrid for BakedSamples {
     }
 }
 
-/// The largest error of the samples that are distances to triangles: each is compared with a lower and an upper
-/// bound that rounding cannot break.
+/// The largest error of samples that are distances to triangles: each is compared with a lower and an upper bound of the
+/// distance, rounding included.
 pub(crate) fn off_at_most<G: SampleGrid>(
     mesh: &Mesh,
     (grid, band): (&G, f64),
     job: &Job,
 ) -> Result<f64, MeshFailure> {
     let bvh = Bvh::build(mesh, job).map_err(MeshFailure::from)?;
-    let off = |samples: &[([f64; 3], f64)]| {
+    let error_of = |samples: &[([f64; 3], f64)]| {
         let mut hint = 0;
-        let offs = samples.iter().map(|(p, value)| {
-            // Nothing known is no bound at all.
+        let errors = samples.iter().map(|(p, value)| {
+            // Without triangles the distance is unbounded.
             let [down, up] =
                 bvh.closest_distance_ends(*p, &mut hint).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             greater(sub_up(value.abs(), down), sub_up(up, value.abs()))
         });
-        Ok(offs.fold(0.0, greater))
+        Ok(errors.fold(0.0, greater))
     };
-    Ok(largest(grid, band, &off, job)?)
+    Ok(largest(grid, band, &error_of, job)?)
 }
 
-/// The same of samples of a field whose value is the distance: each is compared with its range at that point.
-pub(super) fn off_from_field<G: SampleGrid>(
+/// The largest error of samples of a field whose value is the distance: each is compared with the field's range at its
+/// point.
+pub(super) fn error_from_field<G: SampleGrid>(
     field: &Field,
     (grid, band): (&G, f64),
     job: &Job,
 ) -> Result<f64, MeshFailure> {
     let tape = field.tape();
-    Ok(largest(grid, band, &|samples| off_from_tape(&tape, samples), job)?)
+    Ok(largest(grid, band, &|samples| error_from_tape(&tape, samples), job)?)
 }
 
-fn off_from_tape(tape: &Tape, samples: &[([f64; 3], f64)]) -> Result<f64, LeafError> {
+fn error_from_tape(tape: &Tape, samples: &[([f64; 3], f64)]) -> Result<f64, LeafError> {
     let points: Vec<Box3> = samples.iter().map(|(p, _)| Box3 { min: *p, max: *p }).collect();
     let mut ranges = vec![Interval::ENTIRE; points.len()];
     tape.over(&points, &mut ranges)?;
-    let offs = ranges.iter().zip(samples).map(|(range, (_, value))| {
+    let errors = ranges.iter().zip(samples).map(|(range, (_, value))| {
         if !range.is_defined() || range.is_empty() {
             return f64::INFINITY;
         }
         greater(sub_up(*value, range.lo()), sub_up(range.hi(), *value))
     });
-    Ok(offs.fold(0.0, greater))
+    Ok(errors.fold(0.0, greater))
 }
 
-/// The points and values of a brick.
+/// A function from the points and values of a brick to their largest error.
 type BrickJudge<'a> = dyn Fn(&[([f64; 3], f64)]) -> Result<f64, LeafError> + Sync + 'a;
 
-/// The largest that a judge says of the bricks with samples below the band.
+/// The largest result of `judge` for the samples below the band, brick by brick.
 fn largest<G: SampleGrid>(grid: &G, band: f64, judge: &BrickJudge<'_>, job: &Job) -> Result<f64, JobError> {
     let lattice = Lattice { size: grid.size(), affine: *grid.affine() };
     let layers: Vec<usize> = (0..lattice.layers()).collect();
-    let found = par_map(job, &layers, |_, layer| {
+    let layer_errors = par_map(job, &layers, |_, layer| {
         let (mut most, mut samples) = (0.0, Vec::new());
         for [first, end] in lattice.bricks(*layer) {
             if job.is_cancelled() {
@@ -120,7 +121,7 @@ fn largest<G: SampleGrid>(grid: &G, band: f64, judge: &BrickJudge<'_>, job: &Job
                     }
                 }
             }
-            // Several bricks at once, so that a call is worth its start.
+            // Several bricks at once, so that the overhead of a call does not count.
             if samples.len() >= BATCH {
                 most = greater(most, judge(&samples)?);
                 samples.clear();
@@ -131,24 +132,24 @@ fn largest<G: SampleGrid>(grid: &G, band: f64, judge: &BrickJudge<'_>, job: &Job
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    found.into_iter().try_fold(0.0, |most, found| match found {
-        Ok(found) => Ok(greater(most, found)),
+    layer_errors.into_iter().try_fold(0.0, |most, error| match error {
+        Ok(error) => Ok(greater(most, error)),
         Err(LeafError { message, .. }) => {
             Err(JobError::Refused(Refusal::new(RefusalCode::LeafFailed, message)))
         }
     })
 }
 
-/// Samples that are judged at once; chosen, some bricks of 512.
+/// Samples that are judged at once. Chosen: some bricks of 512.
 const BATCH: usize = 2048;
 
-/// How far the interpolant of distances is from the distance at any point of a cell, where no sample is off by more
-/// than `off`.
+/// A bound for the difference between the interpolant of distances and the distance, at any point of a cell, if the error
+/// of no sample exceeds `off`.
 ///
 /// Derived: a signed distance changes by no more than the point moves. With the weights w of the corners c of the
 /// cell, |Σ w·v(c) − d(p)| ≤ Σ w·(|v(c) − d(c)| + |c − p|), and Σ w·|c − p| ≤ √(Σ w·|c − p|²), which is at most half
-/// the diagonal of the cell. The places of samples are rounded, which counts as an error of theirs.
-pub(crate) fn interpolant_off<G: SampleGrid>(grid: &G, off: f64) -> f64 {
+/// the diagonal of the cell. The rounding of the samples' places counts as an error of the samples.
+pub(crate) fn interpolant_error<G: SampleGrid>(grid: &G, off: f64) -> f64 {
     /// √3/2, rounded up.
     const HALF_DIAGONAL: f64 = 0.866_025_403_784_438_7;
     let (rows, size) = (grid.affine().rows(), grid.size());
@@ -157,7 +158,7 @@ pub(crate) fn interpolant_off<G: SampleGrid>(grid: &G, off: f64) -> f64 {
         spacing = greater(rows[k][k].abs(), spacing);
         far = greater(rows[k][k].abs() * size[k] as f64 + rows[k][3].abs(), far);
     }
-    // Two roundings along each axis, of numbers up to `far`.
-    let placed = 4.0 * f64::EPSILON * far;
-    add_up(mul_up(HALF_DIAGONAL, spacing), add_up(off, placed))
+    // Two roundings along each axis, of coordinates up to `far`.
+    let place_error = 4.0 * f64::EPSILON * far;
+    add_up(mul_up(HALF_DIAGONAL, spacing), add_up(off, place_error))
 }

@@ -1,5 +1,5 @@
-//! `DistanceSource`: what distances are taken from: the triangles of a shape, or its field.
-use super::samples::{BakedSamples, off_at_most, off_from_field};
+//! `DistanceSource`: the geometry to which distances are measured: the triangles of a shape, or its field.
+use super::samples::{BakedSamples, error_from_field, off_at_most};
 use super::spec::BakeSpec;
 use crate::tessellate::tessellate;
 use crate::{ImplicitShape, MeshFailure, Shape, field, flatten, merged_parts};
@@ -13,38 +13,38 @@ use chordal::implicit::{Distance, Field};
 use chordal::{Job, Mesh};
 use std::sync::Arc;
 
-/// What distances are taken from.
+/// The geometry to which distances are measured.
 pub(super) struct DistanceSource {
     /// A field whose value is the distance, which is sampled itself.
     field: Option<Field>,
-    /// The triangles, where they are needed.
+    /// The triangles, if they are needed.
     pub triangles: Option<SourceTriangles>,
 }
 
 /// A shape as triangles.
 pub(super) struct SourceTriangles {
     pub mesh: Mesh,
-    /// How far they are from the shape.
+    /// The bound for their distance from the shape.
     pub bound: Bound,
-    /// `None` where a field is sampled instead.
+    /// `None` if a field is sampled instead.
     baker: Option<DistanceBaker>,
 }
 
-/// Samples, before anything is judged.
+/// Samples before their errors are bounded.
 pub(super) struct SampledDistances {
     pub samples: BakedSamples,
     pub n_within: u64,
     pub band: f64,
-    /// What the sides rest on; `None` for a field.
+    /// The evidence for the signs; `None` for a field.
     pub solid: Option<SolidReport>,
 }
 
 impl DistanceSource {
-    /// The triangles of a scene; of other shapes triangles that are made within the length that `within` says for
-    /// the shape, unless it is a field that is sampled itself and `needs_triangles` is false.
+    /// The triangles of a scene; other shapes are meshed within the length `within`, unless the shape is a field that is
+    /// sampled itself and `needs_triangles` is false.
     ///
     /// # Errors
-    /// When the shape bounds nothing; as for its conversion.
+    /// If the shape bounds nothing; as for its conversion.
     pub fn new(
         shape: Shape,
         (within, needs_triangles): (Tolerance, bool),
@@ -52,15 +52,15 @@ impl DistanceSource {
         job: &Job,
     ) -> Result<Self, MeshFailure> {
         if let Shape::Scene(scene) = shape {
-            let placed = flatten::flatten(scene)?;
-            notes.extend(placed.note());
-            let mesh = merged_parts::one_mesh(&placed.scene)?.into_owned();
-            let bound = Bound::proved(0.0, placed.moved_at_most, Reference::InputTriangles);
+            let flattened = flatten::flatten(scene)?;
+            notes.extend(flattened.note());
+            let mesh = merged_parts::one_mesh(&flattened.scene)?.into_owned();
+            let bound = Bound::proved(0.0, flattened.moved_at_most, Reference::InputTriangles);
             return Ok(Self { field: None, triangles: Some(SourceTriangles::new(mesh, bound, true, job)?) });
         }
         let (shape, field) = match shape {
             Shape::Drawing(_) | Shape::Curves(_) => {
-                let message = format!("{} bound no solid to be away from", shape.kind());
+                let message = format!("{} bound no solid to measure distances to", shape.kind());
                 return Err(MeshFailure::Usage(message.into()));
             }
             Shape::Field(implicit) => {
@@ -75,15 +75,15 @@ impl DistanceSource {
             other => (other, None),
         };
         let triangles = if field.is_none() || needs_triangles {
-            let made = tessellate(&shape, within, shape.bounds()?, notes, job)?;
-            Some(SourceTriangles::new(made.shape, made.bound, field.is_none(), job)?)
+            let tessellated = tessellate(&shape, within, shape.bounds()?, notes, job)?;
+            Some(SourceTriangles::new(tessellated.shape, tessellated.bound, field.is_none(), job)?)
         } else {
             None
         };
         Ok(Self { field, triangles })
     }
 
-    /// What the samples are distances to.
+    /// The kind of geometry to which the samples are distances.
     pub fn route(&self) -> &'static str {
         match (&self.field, &self.triangles) {
             (Some(_), _) => "field",
@@ -92,7 +92,7 @@ impl DistanceSource {
         }
     }
 
-    /// Samples so many cells.
+    /// Samples the distances with the given number of cells along the longest side.
     ///
     /// # Errors
     /// As for [`DistanceBaker::grid`] and [`field_to_grid`].
@@ -111,26 +111,26 @@ impl DistanceSource {
         }
         let baker = self.triangles.as_ref().and_then(|triangles| triangles.baker.as_ref());
         let Some(baker) = baker else {
-            return Err(MeshFailure::refused(RefusalCode::Empty, "there is nothing to be away from"));
+            return Err(MeshFailure::refused(RefusalCode::Empty, "there is nothing to measure distances to"));
         };
         let (samples, n_within, band, solid) = if let Some(band) = sparse {
-            let made = baker.sparse_grid(cells, band, job)?;
-            (BakedSamples::Sparse(Arc::new(made.grid)), made.n_within, made.band, made.solid)
+            let baked = baker.sparse_grid(cells, band, job)?;
+            (BakedSamples::Sparse(Arc::new(baked.grid)), baked.n_within, baked.band, baked.solid)
         } else {
-            let made = baker.grid(cells, spec.band, job)?;
-            (BakedSamples::Dense(Arc::new(made.grid)), made.n_within, made.band, made.solid)
+            let baked = baker.grid(cells, spec.band, job)?;
+            (BakedSamples::Dense(Arc::new(baked.grid)), baked.n_within, baked.band, baked.solid)
         };
         Ok(SampledDistances { samples, n_within, band, solid: Some(solid) })
     }
 
-    /// How far samples are from the distance to what they were taken from, at most.
+    /// A bound for the error of the samples.
     ///
     /// # Errors
-    /// When a leaf fails; when cancelled.
-    pub fn off_at_most(&self, made: &SampledDistances, job: &Job) -> Result<f64, MeshFailure> {
-        let samples = (&made.samples, made.band);
+    /// If a leaf fails, or the job is cancelled.
+    pub fn off_at_most(&self, sampled: &SampledDistances, job: &Job) -> Result<f64, MeshFailure> {
+        let samples = (&sampled.samples, sampled.band);
         match (&self.field, &self.triangles) {
-            (Some(field), _) => off_from_field(field, samples, job),
+            (Some(field), _) => error_from_field(field, samples, job),
             (None, Some(triangles)) => off_at_most(&triangles.mesh, samples, job),
             (None, None) => Ok(0.0),
         }
@@ -140,7 +140,10 @@ impl DistanceSource {
 impl SourceTriangles {
     fn new(mesh: Mesh, bound: Bound, is_sampled: bool, job: &Job) -> Result<Self, MeshFailure> {
         if mesh.faces().is_empty() {
-            return Err(MeshFailure::refused(RefusalCode::Empty, "there are no triangles to be away from"));
+            return Err(MeshFailure::refused(
+                RefusalCode::Empty,
+                "there are no triangles to measure distances to",
+            ));
         }
         let baker = if is_sampled { Some(DistanceBaker::new(&mesh, job)?) } else { None };
         Ok(Self { mesh, bound, baker })
@@ -148,18 +151,18 @@ impl SourceTriangles {
 }
 
 impl SourceTriangles {
-    /// A bound against them, as one against the shape.
-    pub fn then(&self, found: &Bound) -> Bound {
+    /// Turns a bound against the triangles into one against the shape.
+    pub fn then(&self, to_triangles: &Bound) -> Bound {
         if self.bound.at_most() == Some(0.0) {
-            let mut bound = found.clone();
+            let mut bound = to_triangles.clone();
             bound.reference = self.bound.reference.clone();
             return bound;
         }
-        self.bound.then(found)
+        self.bound.then(to_triangles)
     }
 }
 
-/// Whether the value of a field is the distance on both sides, by nobody's word.
+/// Whether the value of a field is the distance on both sides, proved and not only declared.
 fn is_exact(field: &Field) -> bool {
     field.distance() == Distance::EXACT && field.distance_evidence() == Evidence::Proved
 }

@@ -1,4 +1,4 @@
-//! The scene of a combined solid, with the materials, colours and groups of what it was cut from.
+//! The scene of a combined solid, with the materials, colours and groups of its operands.
 use super::operand::SolidOperand;
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
@@ -10,9 +10,9 @@ use chordal::explicit::{InvalidMesh, Semantic};
 use chordal_io::{Frame, MATERIAL, Scene, SceneAssets, plain_material};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// One part with all that the faces of the operands carry.
+/// One part with all attributes that the faces of the operands carry.
 pub(super) fn scene_of(
-    made: &BooleanMesh,
+    solid: &BooleanMesh,
     mut operands: Vec<SolidOperand>,
     frame: Frame,
     notes: &mut Vec<Message>,
@@ -21,20 +21,20 @@ pub(super) fn scene_of(
     let meshes: Vec<&Mesh> = operands.iter().map(|operand| &operand.mesh).collect();
     let merged = merge(&meshes)?;
     if merged.is_partial {
-        notes.push("what only some of the shapes carry at their vertices was left out".into());
+        notes.push("vertex attributes that only some of the shapes have were left out".into());
     }
     let mut first_face = vec![0];
     for mesh in &meshes {
         first_face.push(first_face[first_face.len() - 1] + mesh.faces().len() as u32);
     }
-    let mesh = made.with_attributes(&merged.mesh, &first_face).map_err(unsupported)?;
+    let mesh = solid.with_attributes(&merged.mesh, &first_face).map_err(unsupported)?;
     // A descriptive name; a file name would make the bytes depend on a path.
     let scene = Scene::from_mesh("boolean", mesh, frame);
     let scene = Scene { groups, assets: Box::new(assets), ..scene };
     Ok(scene.with_used_materials().map_err(unsupported)?.into_owned())
 }
 
-/// Numbers the groups of all operands as those of one scene, and joins what they name.
+/// Numbers the groups of all operands as groups of one scene, and joins their materials.
 fn join_groups(
     operands: &mut [SolidOperand],
 ) -> Result<(BTreeMap<String, Vec<String>>, SceneAssets), MeshFailure> {
@@ -60,14 +60,14 @@ fn join_groups(
         let n_looks = assets.append_materials(&operand.assets);
         for kind in &kinds {
             let names = operand.groups.get(kind).map_or(&[][..], |names| names);
-            let all = groups.entry(kind.clone()).or_insert_with(|| vec![String::new()]);
+            let joined = groups.entry(kind.clone()).or_insert_with(|| vec![String::new()]);
             let aligned = kind == MATERIAL && have_looks;
             if aligned {
-                // As many names as looks, so that both are numbered alike.
-                all.resize(n_looks + 1, String::new());
+                // As many names as materials, so that both have the same numbers.
+                joined.resize(n_looks + 1, String::new());
             }
-            shifts.insert(kind.clone(), all.len() - 1);
-            all.extend(names.iter().skip(1).cloned());
+            shifts.insert(kind.clone(), joined.len() - 1);
+            joined.extend(names.iter().skip(1).cloned());
         }
         if have_looks {
             shifts.insert(MATERIAL.to_owned(), n_looks);
@@ -80,7 +80,7 @@ fn join_groups(
     Ok((groups, assets))
 }
 
-/// The mesh with its groups numbered from `shifts` on; 0 stays none.
+/// The mesh with its groups renumbered by `shifts`; 0 stays "no group".
 fn shifted(mesh: &Mesh, shifts: &BTreeMap<String, usize>) -> Result<Mesh, InvalidMesh> {
     mesh.with_only(mesh.attributes().iter().cloned().map(|mut attribute| {
         if let Semantic::Group(kind) = &attribute.semantic

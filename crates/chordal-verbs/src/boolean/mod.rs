@@ -7,7 +7,7 @@ use crate::finish::finish_triangles;
 use crate::format_rounding::RoundingTarget;
 use crate::report::{BooleanFacts, BooleanOperandFacts, BoundFacts, BudgetFacts, Certificate, InputFacts};
 use crate::request::MeshRequest;
-use crate::solid_cut::{CutFailure, cut, cutting_slack, whole_bound};
+use crate::solid_cut::{CutFailure, cut, cutting_slack, total_bound};
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, formats};
 use chordal::boolean::{BooleanMesh, BooleanOp};
 use chordal::budget::advice::{Cure, Message, Setting};
@@ -16,12 +16,12 @@ use chordal::math::add_up;
 use chordal::{Job, Mesh};
 use operand::SolidOperand;
 
-/// One more shape, and what is done with it.
+/// One more shape, and the operation that combines it.
 #[derive(Clone, Debug)]
 pub struct BooleanOperand {
-    /// How it is combined with what there is so far.
+    /// How it is combined with the result so far.
     pub op: BooleanOp,
-    /// What messages call it.
+    /// The name of the shape in messages.
     pub name: String,
     /// The shape.
     pub input: Input,
@@ -30,14 +30,13 @@ pub struct BooleanOperand {
 /// Combines shapes from left to right as triangles that read back from a file of the format `to`: see
 /// [`chordal::boolean::boolean`].
 ///
-/// Triangles are cut as they are, with the colours, materials, texture coordinates and normals that they carry.
-/// Other shapes become triangles first, within the length of the budget less what rounding takes. The bound adds
-/// the largest of their bounds to that of the cut, with the metric "solid": points farther than it from the
-/// shapes' surfaces are on the side where they should be.
+/// Triangles are cut as they are, with the colours, materials, texture coordinates and normals that they carry. Other shapes
+/// become triangles first, within the length of the budget less the rounding. The bound adds the largest of their bounds
+/// to that of the cut, with the metric "solid": points farther than it from the shapes' surfaces are on the correct side.
 ///
 /// # Errors
-/// When a shape bounds no solid, or needs a length and the budget has none; when nothing is left; when the
-/// result fails its own check or misses the budget, with the outcome; when the work is refused, or cancelled.
+/// If a shape bounds no solid, or needs a length and the budget has none; if nothing is left; if the result fails its own
+/// check or misses the budget, with the outcome; if the work is refused, or cancelled.
 ///
 /// ```
 /// use chordal::boolean::BooleanOp;
@@ -62,7 +61,7 @@ pub fn mesh_boolean(
 ) -> Result<MeshOutcome, MeshFailure> {
     let form: OutputForm = to.into();
     check_request(spec, form, &first)?;
-    // 1. What each shape is, before it becomes triangles.
+    // 1. The facts about each shape, before it becomes triangles.
     let mut certificate = Certificate::from_input(&first);
     let (budget, note) = spec.resolve(&first.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
@@ -83,46 +82,46 @@ pub fn mesh_boolean(
         .chain(others.iter().map(|other| other.name.clone()))
         .collect();
     // 2. Triangles for each.
-    let within = if spec.has_limit() {
+    let length = if spec.has_limit() {
         let rounding = add_up(request.rounding(), cutting_slack(&bounds));
         request.reserve_rounding(rounding)?.length_in(&bounds)
     } else {
         None
     };
-    let within = within.and_then(|length| chordal::Tolerance::new(length).ok());
+    let tolerance = length.and_then(|length| chordal::Tolerance::new(length).ok());
     let inputs_of = std::iter::once(first).chain(others.into_iter().map(|other| other.input));
     let mut operands = Vec::new();
     for (input, name) in inputs_of.zip(&names) {
-        operands.push(SolidOperand::new(input, within, (name, &mut certificate.notes), job)?);
+        operands.push(SolidOperand::new(input, tolerance, (name, &mut certificate.notes), job)?);
     }
     // 3. The cut, rounded before it is checked.
     let target = RoundingTarget::new(form.format, request.lattice);
-    let made = loop {
+    let solid = loop {
         let meshes: Vec<&Mesh> = operands.iter().map(|operand| &operand.mesh).collect();
         match cut(&meshes, &ops, target, job) {
             Err(CutFailure::NotClosed { operand, boundary_edges }) => {
                 let name = &names[operand];
-                let within = within.ok_or_else(|| not_closed(name, boundary_edges))?;
+                let tolerance = tolerance.ok_or_else(|| not_closed(name, boundary_edges))?;
                 let open = operands.remove(operand);
-                operands.insert(operand, open.closed(within, (name, &mut certificate.notes), job)?);
+                operands.insert(operand, open.closed(tolerance, (name, &mut certificate.notes), job)?);
             }
             Err(CutFailure::Other(failure)) => return Err(failure),
-            Ok(made) => break made,
+            Ok(solid) => break solid,
         }
     };
-    if made.mesh.faces().is_empty() {
+    if solid.mesh.faces().is_empty() {
         let message = "nothing would be left: no point is inside the result";
         return Err(MeshFailure::refused(RefusalCode::Empty, message));
     }
-    let own: Vec<&Bound> = operands.iter().filter_map(|operand| operand.bound.as_ref()).collect();
-    let bound = whole_bound(&made, &own);
-    certificate.boolean = Some(facts(&made, (&operands, &ops), inputs));
-    // 4. What its faces carry.
-    let mut scene = carried::scene_of(&made, operands, frame, &mut certificate.notes)?;
+    let operand_bounds: Vec<&Bound> = operands.iter().filter_map(|operand| operand.bound.as_ref()).collect();
+    let bound = total_bound(&solid, &operand_bounds);
+    certificate.boolean = Some(facts(&solid, (&operands, &ops), inputs));
+    // 4. The attributes of its faces.
+    let mut scene = carried::scene_of(&solid, operands, frame, &mut certificate.notes)?;
     spec.normals.apply(&mut scene, [format, form.format], &mut certificate.notes)?;
     order_new_triangles(&mut scene)?;
     let outcome = finish_triangles(scene, bound, &request, certificate)?;
-    // Without a limit there is nothing to miss, but what fails its check is no result.
+    // Without a limit no budget is missed, but a solid that fails its check has no bound and is no result.
     if outcome.bound.evidence().bounds_above() {
         Ok(outcome)
     } else {
@@ -141,7 +140,7 @@ fn check_request(spec: &BudgetSpec, form: OutputForm, first: &Input) -> Result<(
     if let Some(n) = spec.triangles {
         let message = Message::from("a cut has as many triangles as it takes: leave out ")
             .value(Setting::Triangles, n)
-            .words(", and simplify what was written");
+            .words(", and simplify the output");
         return Err(MeshFailure::Usage(message));
     }
     if spec.attributes.is_set() {
@@ -151,26 +150,26 @@ fn check_request(spec: &BudgetSpec, form: OutputForm, first: &Input) -> Result<(
     Ok(())
 }
 
-/// Refuses units that differ, and says where axes do.
+/// Refuses different units, and notes different axes.
 fn check_frames(first: &Input, other: &BooleanOperand, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
     let (a, b) = (first.shape.frame(), other.input.shape.frame());
-    if let (Some(own), Some(its)) = (a.metres_per_unit, b.metres_per_unit)
-        && own != its
+    if let (Some(input_unit), Some(other_unit)) = (a.metres_per_unit, b.metres_per_unit)
+        && input_unit != other_unit
     {
         let message = format!(
-            "{}: a unit is {its} m there and {own} m in the input: convert one of them first, or say ",
+            "{}: a unit is {other_unit} m there and {input_unit} m in the input: convert one of them first, or set ",
             other.name
         );
         return Err(MeshFailure::Usage(Message::from(message).setting(Setting::Unit)));
     }
-    if let (Some(own), Some(its)) = (a.up, b.up)
-        && own != its
+    if let (Some(input_axis), Some(other_axis)) = (a.up, b.up)
+        && input_axis != other_axis
     {
         let message = format!(
-            "{}: its axis {} is up, and that of the input is {}: nothing was turned",
+            "{}: its axis {} is up, and that of the input is {}: nothing was rotated",
             other.name,
-            its.letter(),
-            own.letter()
+            other_axis.letter(),
+            input_axis.letter()
         );
         notes.push(message.into());
     }
@@ -178,24 +177,24 @@ fn check_frames(first: &Input, other: &BooleanOperand, notes: &mut Vec<Message>)
 }
 
 fn not_closed(name: &str, boundary_edges: u64) -> MeshFailure {
-    let (why, cure) = if boundary_edges == 0 {
+    let (reason, cure) = if boundary_edges == 0 {
         ("neighbours are wound against each other".to_owned(), Cure::Orient)
     } else {
         (format!("{boundary_edges} edges have one triangle only"), Cure::FillHoles)
     };
-    let message = Message::from(format!("{name}: it bounds no solid, since {why}: mend it ("))
+    let message = Message::from(format!("{name}: it bounds no solid, since {reason}: mend it ("))
         .setting(Setting::Cure(cure))
-        .words("), or give a length, within which its surface is made anew by winding numbers");
+        .words("), or give a length, within which its surface is rebuilt by winding numbers");
     MeshFailure::refused(RefusalCode::Unsupported, message)
 }
 
 fn facts(
-    made: &BooleanMesh,
+    solid: &BooleanMesh,
     (operands, ops): (&[SolidOperand], &[BooleanOp]),
     inputs: Vec<InputFacts>,
 ) -> BooleanFacts {
     let mut kept = vec![0; operands.len()];
-    made.sources.iter().for_each(|source| kept[source.operand as usize] += 1);
+    solid.sources.iter().for_each(|source| kept[source.operand as usize] += 1);
     let all_ops = std::iter::once(None).chain(ops.iter().map(|op| Some(op.as_str())));
     let rows = all_ops.zip(inputs).zip(operands.iter().zip(kept));
     let operands = rows
@@ -207,5 +206,5 @@ fn facts(
             bound: operand.bound.as_ref().map(BoundFacts::new),
         })
         .collect();
-    BooleanFacts { method: made.method.as_str(), operands }
+    BooleanFacts { method: solid.method.as_str(), operands }
 }

@@ -1,4 +1,4 @@
-//! `SolidOperand`: a shape as one closed mesh in world coordinates, with what its faces carry.
+//! `SolidOperand`: a shape as one closed mesh in world coordinates, with the attributes of its faces.
 use crate::drop_attributes::without_attributes;
 use crate::file_rows::unsupported;
 use crate::merge::merge;
@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 pub(super) struct SolidOperand {
     /// Its triangles, with their attributes.
     pub mesh: Mesh,
-    /// How far they are from the true shape; `None` where they are the shape itself.
+    /// The bound for their distance from the true shape; `None` if they are the shape itself.
     pub bound: Option<Bound>,
     /// Names of groups, as in [`Scene`].
     pub groups: BTreeMap<String, Vec<String>>,
@@ -32,7 +32,7 @@ impl SolidOperand {
     /// Places the triangles of a scene, or meshes another shape within a length.
     ///
     /// # Errors
-    /// When the shape needs a length and there is none; as for its conversion.
+    /// If the shape needs a length and there is none; as for its conversion.
     pub fn new(
         input: Input,
         within: Option<Tolerance>,
@@ -59,9 +59,9 @@ impl SolidOperand {
                     let painted = Self::from_scene(scene, (name, notes), job)?;
                     return Ok(Self { bound: Some(bound), ..painted });
                 }
-                let made = tessellate(&shape, within, bounds, notes, job)?;
+                let tessellated = tessellate(&shape, within, bounds, notes, job)?;
                 let (groups, assets) = Default::default();
-                Ok(Self { mesh: made.shape, bound: Some(made.bound), groups, assets })
+                Ok(Self { mesh: tessellated.shape, bound: Some(tessellated.bound), groups, assets })
             }
         }
     }
@@ -71,17 +71,17 @@ impl SolidOperand {
         (name, notes): (&str, &mut Vec<Message>),
         job: &Job,
     ) -> Result<Self, MeshFailure> {
-        // What moves a mesh afterwards has no meaning for what is cut from it.
+        // Joints and morph targets would no longer fit the vertices after a cut.
         let has_bones = scene.parts.iter().any(chordal_io::Part::is_deformed);
         if has_bones {
             notes.push(format!("{name}: combined at rest: skins and morph targets were left out").into());
         }
-        let placed = scene.world_meshes()?;
-        let meshes: Vec<&Mesh> = placed.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+        let world_meshes = scene.world_meshes()?;
+        let meshes: Vec<&Mesh> = world_meshes.iter().map(|(_, mesh)| mesh.as_ref()).collect();
         let merged = merge(&meshes)?;
         if merged.is_partial {
             notes.push(
-                format!("{name}: what only some of its parts carry at their vertices was left out").into(),
+                format!("{name}: vertex attributes that only some of its parts have were left out").into(),
             );
         }
         let is_lost = |semantic: &Semantic| matches!(semantic, Semantic::Blended(_) | Semantic::Tangent);
@@ -97,8 +97,8 @@ impl SolidOperand {
 }
 
 impl SolidOperand {
-    /// The surface where the winding number of open triangles is a half, as closed triangles within a length. They
-    /// carry nothing: the surface is no longer made of the faces that did.
+    /// Closes open triangles: the surface where their winding number is a half, as triangles within a length. These have no
+    /// attributes, since the surface does not consist of the original faces any more.
     ///
     /// # Errors
     /// As for a field.
@@ -108,15 +108,15 @@ impl SolidOperand {
         (name, notes): (&str, &mut Vec<Message>),
         job: &Job,
     ) -> Result<Self, MeshFailure> {
-        let made = mesh_to_field(&self.mesh, job)?;
-        let implicit = ImplicitShape::new(made.field, None, Frame::default());
+        let converted = mesh_to_field(&self.mesh, job)?;
+        let implicit = ImplicitShape::new(converted.field, None, Frame::default());
         let bounds = implicit.bounds();
-        let mut words = Vec::new();
-        let closed = tessellate(&Shape::Field(implicit), within, bounds, &mut words, job)?;
+        let mut unused_notes = Vec::new();
+        let closed = tessellate(&Shape::Field(implicit), within, bounds, &mut unused_notes, job)?;
         notes.push(
             format!(
-                "{name}: it bounds no solid, and stands for the points where its winding number is above a half; its \
-                 attributes were left out"
+                "{name}: it bounds no solid, so the points where its winding number is above a half are its solid; \
+                 its attributes were left out"
             )
             .into(),
         );
@@ -130,14 +130,14 @@ impl SolidOperand {
     }
 }
 
-/// A mesh all of whose components are wound inside out, turned, since nothing is inside it as it is.
+/// Turns a mesh if all its components are wound inside out, since it would have no inside.
 fn turned_outward(
     mesh: Mesh,
     (name, notes): (&str, &mut Vec<Message>),
     job: &Job,
 ) -> Result<Mesh, MeshFailure> {
-    let found = components(&mesh, Topology::Positions);
-    if found.is_empty() || found.iter().any(|component| component.facing != Facing::InsideOut) {
+    let pieces = components(&mesh, Topology::Positions);
+    if pieces.is_empty() || pieces.iter().any(|component| component.facing != Facing::InsideOut) {
         return Ok(mesh);
     }
     notes.push(format!("{name}: its triangles are wound inside out and were turned").into());

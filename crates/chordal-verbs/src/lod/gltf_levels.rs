@@ -1,4 +1,4 @@
-//! How levels of detail are written as one glTF with `MSFT_lod`.
+//! Writes levels of detail as one glTF with `MSFT_lod`.
 use super::LodOutcome;
 use super::level_mesh::LevelMesh;
 use super::outcome::LodLayout;
@@ -15,11 +15,11 @@ use serde_json::{Value, json};
 use std::io::Write;
 
 impl LodOutcome {
-    /// Writes all levels as one glTF with `MSFT_lod`, binary or as JSON with all in it.
+    /// Writes all levels as one glTF with `MSFT_lod`, binary or as JSON with embedded buffers.
     ///
     /// # Errors
-    /// As for [`glb::write_levels`]; [`WriteError::Unsupported`] for other formats than glTF, and where the
-    /// finest level is cut in space.
+    /// As for [`glb::write_levels`]; [`WriteError::Unsupported`] for other formats than glTF, and if the finest level is cut
+    /// in space.
     pub fn write(&self, format: Format, out: &mut dyn Write) -> Result<(), WriteError> {
         let (levels, coverages, certificate) = self.gltf_parts()?;
         let levels = gltf_levels(levels, &coverages, &certificate);
@@ -30,7 +30,7 @@ impl LodOutcome {
         }
     }
 
-    /// Writes all levels as a glTF called `stem` with its buffer and pictures beside it.
+    /// Writes all levels as a glTF called `stem`, with its buffer and pictures in files beside it.
     ///
     /// # Errors
     /// As for [`Self::write`].
@@ -40,26 +40,26 @@ impl LodOutcome {
         glb::write_levels_files(&levels, stem).map(FileSet::into_owned)
     }
 
-    /// What a glTF of levels is made of: the levels, the screen coverages, the certificate.
+    /// The content of a glTF of levels: the levels, the screen coverages and the certificate.
     fn gltf_parts(&self) -> Result<(&SceneLevels, Vec<Vec<f64>>, Value), WriteError> {
-        let LodLayout::Levels(levels) = &self.made else {
+        let LodLayout::Levels(levels) = &self.layout else {
             return Err(WriteError::Unsupported(
-                "what is cut in space is a tileset, not one file".to_owned(),
+                "a shape that is cut in space is a tileset, not one file".to_owned(),
             ));
         };
-        let known = self.certificate.levels.as_ref().map_or(&[][..], |facts| &facts.levels);
+        let level_facts = self.certificate.levels.as_ref().map_or(&[][..], |facts| &facts.levels);
         let extras = |(level, facts): (&SceneLevel, &LevelFacts)| {
             let counts = (level.triangles, level.vertices);
             extras_of(&self.certificate, &level.bound, counts, facts.geometry.clone())
         };
-        let mut of_levels: Vec<Value> = levels.levels.iter().zip(known).map(extras).collect();
-        let is_one = of_levels.len() == 1 && levels.coarser.iter().all(Vec::is_empty);
-        let certificate = if is_one { of_levels.remove(0) } else { json!({ "levels": of_levels }) };
+        let mut level_extras: Vec<Value> = levels.levels.iter().zip(level_facts).map(extras).collect();
+        let is_single = level_extras.len() == 1 && levels.coarser.iter().all(Vec::is_empty);
+        let certificate = if is_single { level_extras.remove(0) } else { json!({ "levels": level_extras }) };
         Ok((levels, self.coverages(levels), certificate))
     }
 
-    /// By node: the fraction of the screen that the bounding sphere of its part covers where each level gives
-    /// way to the next. Viewers use its centre, which may be half a diagonal behind the side of the box.
+    /// By node: the fraction of the screen that the bounding sphere of its part covers when each level gives way to the
+    /// next. Viewers use the sphere's centre, which may be half a diagonal behind the side of the box.
     fn coverages(&self, levels: &SceneLevels) -> Vec<Vec<f64>> {
         let lens = &self.spec.lens;
         let pixels = f64::from(lens.screen.width_px) * f64::from(lens.screen.height_px);
@@ -81,8 +81,8 @@ impl LodOutcome {
                     let across = place.size * focal / (distance + 0.5 * place.size);
                     let share = 0.25 * std::f64::consts::PI * across * across / pixels;
                     let share = if place.size > 0.0 { share } else { 0.0 };
-                    // Fractions decrease from level to level, also where the part is larger than the screen
-                    // or is scaled to nothing.
+                    // Fractions must decrease from level to level, also if the part is larger than the screen or is scaled
+                    // to nothing.
                     let most = if before <= 1.0 { 0.99 * before } else { 1.0 };
                     let least = (errors.len() - k) as f64 * f64::MIN_POSITIVE;
                     before = greater(lesser(share, most), least);
@@ -103,10 +103,10 @@ fn gltf_levels<'a>(
     glb::GlbLevels { scene, coarser, coverages, certificate: Some(certificate) }
 }
 
-/// The extras of one mesh in its file.
-pub(super) fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Value {
-    let geometry = written_digest(&made.scene, Format::Glb);
-    extras_of(certificate, &made.bound, (made.triangles, made.vertices), geometry)
+/// The extras of one level's file.
+pub(super) fn file_extras(certificate: &Certificate, level: &LevelMesh) -> Value {
+    let geometry = written_digest(&level.scene, Format::Glb);
+    extras_of(certificate, &level.bound, (level.triangles, level.vertices), geometry)
 }
 
 fn extras_of(

@@ -1,4 +1,4 @@
-//! `LevelFinisher`: levels as they will be written, with their normals and rounded.
+//! `LevelFinisher`: levels in the form in which they will be written, with their normals and rounded.
 use super::LodSpec;
 use crate::file_rows::{to_file_rows, unsupported};
 use crate::format_rounding::{RoundingTarget, limits_left, storage_within};
@@ -15,13 +15,13 @@ use chordal::{Bounded, Job, Mesh};
 use chordal_io::glb::{PositionLattice, VertexStorage};
 use chordal_io::{Format, Frame, Part, Scene, SceneAssets};
 
-/// What every level gets: normals, the frame, materials.
+/// The settings that all levels share: normals, the frame, materials.
 pub(super) struct LevelFinisher {
     normals: Normals,
-    /// How far attributes may go off before they are rounded.
+    /// The limits on attributes before they are rounded.
     pub attributes: AttributeLimits,
-    /// And after it.
-    asked: AttributeLimits,
+    /// The limits after rounding, as requested.
+    requested: AttributeLimits,
     is_quantized: bool,
     from: Format,
     frame: Frame,
@@ -31,21 +31,20 @@ pub(super) struct LevelFinisher {
 
 impl LevelFinisher {
     pub fn new(spec: &LodSpec, from: Format, frame: Frame, assets: SceneAssets) -> Self {
-        let LodSpec { attributes: asked, packing, .. } = *spec;
+        let LodSpec { attributes: requested, packing, .. } = *spec;
         let normals = spec.normals.of_file(from);
         let attributes = attributes_before_rounding(spec);
         let is_quantized = packing.is_quantized;
-        Self { normals, attributes, asked, is_quantized, from: normals_by(from), frame, assets }
+        Self { normals, attributes, requested, is_quantized, from: normals_by(from), frame, assets }
     }
 
-    /// How a part is stored whose positions are on that lattice, if numbers are rounded to fewer bits at all.
+    /// The storage of a part with positions on that lattice, if numbers are rounded to fewer bits at all.
     pub fn storage(&self, lattice: Option<PositionLattice>) -> Option<VertexStorage> {
-        self.is_quantized.then(|| storage_within(lattice, &self.asked))
+        self.is_quantized.then(|| storage_within(lattice, &self.requested))
     }
 
-    /// How far the attributes of levels on a lattice are off from those of a mesh. Where there are no limits, or no
-    /// lattice, nothing is measured; [`LatticeFit::Exceeds`] where a level slides past a limit, or nothing can say
-    /// that it does not.
+    /// The deviations of the attributes of levels on a lattice from those of a mesh. Without limits, or without a lattice,
+    /// nothing is measured; [`LatticeFit::Exceeds`] if a level exceeds a limit, or it cannot be measured whether it does.
     pub fn fit(
         &self,
         before: &Mesh,
@@ -53,7 +52,8 @@ impl LevelFinisher {
         lattice: Option<PositionLattice>,
         job: &Job,
     ) -> Result<LatticeFit, MeshFailure> {
-        let Some(storage) = self.storage(lattice).filter(|_| lattice.is_some() && self.asked.is_set()) else {
+        let Some(storage) = self.storage(lattice).filter(|_| lattice.is_some() && self.requested.is_set())
+        else {
             return Ok(LatticeFit::Free);
         };
         if before.faces().is_empty() {
@@ -65,15 +65,15 @@ impl LevelFinisher {
             let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
             let after = storage.round_attributes(&snapped.mesh).map_err(unsupported)?;
             let moved = level.bound.clone().then(&step).at_most().and_then(|most| Tolerance::new(most).ok());
-            let off = match attribute_deviation(before, &after, moved, job) {
-                Ok(off) => off,
+            let deviations = match attribute_deviation(before, &after, moved, job) {
+                Ok(deviations) => deviations,
                 Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
                 Err(JobError::Refused(_)) => return Ok(LatticeFit::Exceeds),
             };
-            if off.iter().any(|off| exceeds(&self.asked, off)) {
+            if deviations.iter().any(|deviation| exceeds(&self.requested, deviation)) {
                 return Ok(LatticeFit::Exceeds);
             }
-            measured.push(off);
+            measured.push(deviations);
         }
         Ok(LatticeFit::Within(measured))
     }
@@ -94,7 +94,7 @@ impl LevelFinisher {
         self.normals.apply(scene, [self.from, Format::Glb], notes)
     }
 
-    /// A level of a part as glTF holds it: with its normals, rounded, in the rows of the file.
+    /// A level of a part as glTF stores it: with its normals, rounded, in the rows of the file.
     pub fn finish(
         &self,
         part: Part,
@@ -115,17 +115,17 @@ impl LevelFinisher {
     }
 }
 
-/// Whether attributes of levels keep their limits where positions slide on a lattice.
+/// Whether attributes of levels keep their limits when positions are rounded to a lattice.
 pub(super) enum LatticeFit {
-    /// There is none of the two.
+    /// There are no limits, or no lattice.
     Free,
-    /// They do: by level, how far attributes are off.
+    /// They keep the limits: by level, the deviations of the attributes.
     Within(Vec<Vec<AttributeDeviation>>),
-    /// They do not: positions stay in single precision.
+    /// They exceed the limits: positions stay in single precision.
     Exceeds,
 }
 
-/// What limits on attributes leave once their values are rounded.
+/// The limits on attributes that are left for simplification if values are rounded afterwards.
 pub(super) fn attributes_before_rounding(spec: &LodSpec) -> AttributeLimits {
     let limits = spec.attributes;
     if !spec.packing.is_quantized {
@@ -134,7 +134,7 @@ pub(super) fn attributes_before_rounding(spec: &LodSpec) -> AttributeLimits {
     limits_left(limits, &storage_within(None, &limits))
 }
 
-/// Rounds the attributes of a part to what its storage holds.
+/// Rounds the attributes of a part to the precision of its storage.
 pub(super) fn round_attributes(part: &mut Part) -> Result<(), MeshFailure> {
     if let Some(storage) = &part.storage {
         part.mesh = storage.round_attributes(&part.mesh).map_err(unsupported)?;
@@ -145,7 +145,7 @@ pub(super) fn round_attributes(part: &mut Part) -> Result<(), MeshFailure> {
 /// A descriptive name; a file name would make the bytes depend on a path.
 pub(super) const NAME: &str = "shape";
 
-/// How positions are identified when normals are computed: a simplified mesh has indices of its own.
+/// The format that says how positions are identified when normals are computed: a simplified mesh has indices of its own.
 fn normals_by(from: Format) -> Format {
     if from.topology() == Topology::Positions { Format::Obj } else { from }
 }

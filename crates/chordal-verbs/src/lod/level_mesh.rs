@@ -1,8 +1,8 @@
-//! `LevelMesh`: a level or a tile as it will be written.
+//! `LevelMesh`: a level or a tile in the form in which it will be written.
 use chordal::budget::Bound;
 use chordal_io::Scene;
 
-/// One level as it will be written.
+/// One level in the form in which it will be written.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LevelMesh {
     pub scene: Scene,
@@ -17,7 +17,7 @@ impl LevelMesh {
     }
 }
 
-/// Triangles, and rows of positions.
+/// The numbers of triangles and of rows of positions.
 pub(super) fn counts(scene: &Scene) -> (u64, u64) {
     scene.parts.iter().fold((0, 0), |(t, v), part| {
         (t + part.mesh.faces().len() as u64, v + part.mesh.positions().len() as u64)

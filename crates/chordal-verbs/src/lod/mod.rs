@@ -47,8 +47,8 @@ pub struct LodSpec {
     pub nearest: Option<f64>,
     /// The tolerance of the finest level, overriding `nearest`.
     pub length: Option<Length>,
-    /// Additional distances for the table, beside the switch distances and those at which the shape covers
-    /// few pixels.
+    /// Additional distances for the table, beside the switch distances and the distances at which the shape covers few
+    /// pixels.
     pub distances: Vec<f64>,
     /// The normals of the triangles.
     pub normals: Normals,
@@ -56,64 +56,63 @@ pub struct LodSpec {
     pub errors: TileErrors,
     /// The most triangles of a tile: a finest level with more is cut in space. `None` for no tiles.
     pub tile_triangles: Option<u64>,
-    /// How far attributes of every level may be from those of the input.
+    /// The largest deviations of the attributes of every level from those of the input.
     pub attributes: AttributeLimits,
     /// Whether the parts of a scene have levels of their own.
     pub parts: LodParts,
-    /// Where on the Earth the origin of a tileset stands. There x of the scene is east and up is up: y is north
-    /// where z is up, and -z is where y is.
+    /// The place of a tileset's origin on the Earth. There x of the scene is east; if z is up, y is north, and if y is up,
+    /// -z is north.
     pub place: Option<GeoPlace>,
     /// How the numbers of all files are stored.
     pub packing: GltfPacking,
 }
 
-/// What the parts of a scene become.
+/// The treatment of the parts of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LodParts {
     /// Each part has levels of its own, and the nodes that show it are kept.
     #[default]
     Separate,
-    /// All of them are one mesh, so that small ones can vanish into others.
+    /// All parts become one mesh, so that small parts can vanish into others.
     Merged,
 }
 
-/// The error that tiles declare, by which viewers choose.
+/// The error that tiles declare, from which viewers choose levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TileErrors {
-    /// Large enough that viewers, whose formula holds in the middle of the screen, keep the pixels everywhere
-    /// on it.
+    /// Large enough that viewers, whose formula holds in the middle of the screen, keep the pixels everywhere on the screen.
     #[default]
     Scaled,
     /// The proved error itself.
     Plain,
 }
 
-/// Makes levels of detail of a surface: see [`chordal::lod::chain`].
+/// Builds levels of detail of a surface: see [`chordal::lod::chain`].
 ///
-/// The finest level is within `spec.length`, or loses at most `spec.pixels` at `spec.nearest`. Where neither
-/// is given, it loses at most that where the box fills the height of the screen. [`LodOutcome::unmet`] says where it is
-/// farther off, as by rounding to single precision. Each level is proved against
-/// the shape itself, as it will be written: positions in single precision, or on one lattice for all levels and
-/// tiles of a part where `spec.packing` asks for it.
+/// The finest level is within `spec.length`, or loses at most `spec.pixels` at `spec.nearest`. If neither is given, it loses
+/// at most that at the distance at which the box fills the height of the screen. [`LodOutcome::unmet`] says why if it is
+/// farther off, as by rounding to single precision. Each level is proved against the shape itself, in the form in which it
+/// will be written: positions in single precision, or on one lattice for all levels and tiles of a part if `spec.packing`
+/// is quantized.
 ///
-/// The parts of a scene have levels of their own, within tolerances that hold after the largest scale of any
-/// of their instances, unless `spec.parts` merges them or a finest level is cut in space. A level of the whole
-/// shows each part in the coarsest of its levels that is within the error.
+/// The parts of a scene have levels of their own, within tolerances that hold after the largest scale of any of their
+/// instances, unless `spec.parts` merges them or a finest level is cut in space. A level of the scene shows each part in its
+/// coarsest level that is within the error.
 ///
 /// # Errors
-/// As for [`crate::mesh()`]; [`MeshFailure::Usage`] for curves, which have no levels, for parallel rays, and
-/// where there would be more than 20,000 tiles.
+/// As for [`crate::mesh()`]; [`MeshFailure::Usage`] for curves, which have no levels, for parallel rays, and if there would
+/// be more than 20,000 tiles.
 pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFailure> {
     if matches!(input.shape, Shape::Drawing(_) | Shape::Curves(_)) {
         return Err(MeshFailure::Usage("levels of detail are for surfaces, and these are curves".into()));
     }
     if spec.lens.focal_px().is_none() {
-        let message =
-            "levels change with the distance, which parallel rays do not see: give the view a field of view";
+        let message = "levels change with the distance, which has no effect with parallel rays: give the view a field of view";
         return Err(MeshFailure::Usage(message.into()));
     }
     if spec.attributes.is_set() && !matches!(input.shape, Shape::Scene(_)) {
-        let message = "limits on texture coordinates and normals are for triangles that have some";
+        let message =
+            "limits on texture coordinates and normals apply only to triangles that have these attributes";
         return Err(MeshFailure::refused(RefusalCode::Budget, message));
     }
     let mut certificate = Certificate::from_input(&input).by("lod");
@@ -128,10 +127,10 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         certificate.notes.extend(losses(scene, Format::Glb)?.iter().map(Warning::counted));
     }
     let source = LevelSource { spec, finest, job };
-    let made = source.levels(input.shape, &mut certificate.notes)?;
-    let assets = made.assets();
+    let levels = source.levels(input.shape, &mut certificate.notes)?;
+    let assets = levels.assets();
     let finisher = LevelFinisher::new(spec, from, frame, assets);
-    let made = match made {
+    let layout = match levels {
         SourceLevels::Chains(chains) => {
             LodLayout::Levels(Box::new(SceneLevels::new(*chains, &finisher, &mut certificate.notes, job)?))
         }
@@ -140,7 +139,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
             LodLayout::Cut(Box::new(cut))
         }
     };
-    let bound = made.finest_bound();
+    let bound = layout.finest_bound();
     let bound =
         bound.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"))?;
     certificate.bound = Some(BoundFacts::new(bound));
@@ -149,14 +148,14 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     if !is_met {
         certificate.notes.push(NOT_MET.into());
     }
-    let shown = made.finest_scene();
+    let shown = layout.finest_scene();
     let counted = CountedTriangles::from_scene(shown, Format::Glb)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
     if spec.tile_triangles.is_some() {
         certificate.notes.extend(tileset::unused_note(shown)?);
     }
-    let levels = made.counts();
+    let levels = layout.counts();
     let errors: Vec<f64> = levels.iter().map(|level| level.at_most).collect();
     let switches = SwitchDistances::new(&errors, spec.lens, spec.pixels);
     if let Some(distance) = switches.distance(0).filter(|d| *d > 0.0 && d.is_finite()) {
@@ -167,40 +166,41 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         certificate.notes.extend(single_precision_note(&shown.parts));
     }
     certificate.notes.dedup();
-    let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, unmet, certificate };
+    let mut outcome = LodOutcome { layout, switches, spec: spec.clone(), diagonal, unmet, certificate };
     outcome.pack(spec.packing);
     let mut levels = levels;
     for (k, level) in levels.iter_mut().enumerate() {
         level.geometry = outcome.level(k).and_then(|(scene, _)| written_digest(&scene, Format::Glb));
     }
-    let finest = || written_digest(outcome.made.finest_scene(), Format::Glb);
+    let finest = || written_digest(outcome.layout.finest_scene(), Format::Glb);
     let geometry = levels.first().and_then(|level| level.geometry.clone()).or_else(finest);
     outcome.certificate.levels = Some(outcome.facts(levels));
     outcome.certificate.conclude(("triangles", Format::Glb), geometry);
     Ok(outcome)
 }
 
-/// What is said where the finest level is off by more than was asked, and why where its proof did not end.
+/// The message if the finest level is farther off than the budget allows, with the reason if its proof failed.
 fn unmet(bound: &Bound, finest: Tolerance) -> Message {
-    let said = format!("the budget of the finest level, {finest}, was not met; the best reached is {bound}");
-    let Some(open) = bound.open.as_deref() else { return said.into() };
+    let message =
+        format!("the budget of the finest level, {finest}, was not met; the best reached is {bound}");
+    let Some(open) = bound.open.as_deref() else { return message.into() };
     let why = OpenPlacesFacts::new(open).why_unproved();
-    // What helps where surfaces touch is said with the contact.
-    let helps = match open.tangent() {
+    // For surfaces that touch, the reason includes the advice.
+    let advice = match open.tangent() {
         Some(_) => "",
         None => {
             "; allow a larger error, or mesh the shape by itself and make levels of that mesh, whose errors are then counted \
              from its triangles"
         }
     };
-    format!("{said}: levels need a proved bound, and within less the shape is {why}{helps}").into()
+    format!("{message}: levels need a proved bound, and within less the shape is {why}{advice}").into()
 }
 
 /// The tolerance of the finest level.
 fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Result<Tolerance, MeshFailure> {
     if let Some(length) = spec.length {
-        let asked = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
-        let (budget, note) = asked.resolve(shape)?;
+        let spec = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
+        let (budget, note) = spec.resolve(shape)?;
         certificate.notes.extend(note);
         return budget
             .length
@@ -211,8 +211,8 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
     let distance = spec.nearest.unwrap_or(diagonal * focal / f64::from(spec.lens.screen.height_px));
     if spec.nearest.is_none() {
         certificate.notes.push(format!(
-            "nothing says how near the eye comes: the finest level is for {distance:.6}, where the box fills the height of \
-             the screen"
+            "no nearest distance of the eye is given: the finest level is for {distance:.6}, where the box fills the \
+             height of the screen"
         ).into());
     }
     let view = View::MinDistance(MinDistanceView { distance, ..spec.lens });

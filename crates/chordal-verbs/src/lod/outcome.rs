@@ -14,26 +14,26 @@ use std::borrow::Cow;
 /// Levels of detail with their certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodOutcome {
-    pub(super) made: LodLayout,
+    pub(super) layout: LodLayout,
     pub(super) switches: SwitchDistances,
     pub(super) spec: LodSpec,
     pub(super) diagonal: f64,
-    /// Why the finest level does not hold the budget, where it does not.
+    /// Why the finest level misses the budget, if it does.
     pub unmet: Option<Message>,
-    /// For the report, and for the file.
+    /// The certificate for the report and for the file.
     pub certificate: Certificate,
 }
 
-/// How the levels are laid out.
+/// The layout of the levels.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum LodLayout {
-    /// Each part in levels.
+    /// Levels of each part.
     Levels(Box<SceneLevels>),
     /// A hierarchy of tiles over regions.
     Cut(Box<TileHierarchy>),
 }
 
-/// The diagonals of the box on the screen, in pixels, that get a row in the table.
+/// The diagonals of the box on the screen, in pixels, that get a row in the table. Chosen: from a screen to a speck.
 const COVERED: [f64; 4] = [1000.0, 200.0, 20.0, 2.0];
 
 impl LodLayout {
@@ -81,19 +81,19 @@ fn facts_of(level: &SceneLevel) -> LevelFacts {
 }
 
 impl LodOutcome {
-    /// Stores the numbers of all levels in another way.
+    /// Sets the storage of the numbers of all levels.
     pub(super) fn pack(&mut self, packing: GltfPacking) {
-        match &mut self.made {
+        match &mut self.layout {
             LodLayout::Levels(levels) => levels.finest.packing = packing,
             LodLayout::Cut(cut) => cut.tiles.iter_mut().for_each(|tile| tile.scene.packing = packing),
         }
     }
 
-    /// A level as it will be written, the finest first, with its bound; `None` where the finest level is cut
-    /// in space, and beyond the last one.
+    /// A level in the form in which it will be written, the finest first, with its bound; `None` if the finest level is cut
+    /// in space, and beyond the last level.
     #[must_use]
     pub fn level(&self, k: usize) -> Option<(Cow<'_, Scene>, &Bound)> {
-        let LodLayout::Levels(levels) = &self.made else { return None };
+        let LodLayout::Levels(levels) = &self.layout else { return None };
         Some((levels.scene(k)?, &levels.levels[k].bound))
     }
 

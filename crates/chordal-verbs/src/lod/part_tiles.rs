@@ -1,4 +1,4 @@
-//! Tiles of a surface that is made part by part: `part_tile` for each, `part_tileset` for the tree of all.
+//! Tiles of a surface that is built part by part: `part_tile` for each, `part_tileset` for the tree of all.
 use super::level_mesh::counts;
 use super::tile_hierarchy::{about, up};
 use super::tileset::{largest_error, placement_matrix, root_of, tile_extras};
@@ -16,46 +16,46 @@ use serde_json::json;
 /// A part of a surface at the positions of its tile, and that tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartTile {
-    /// The part, in coordinates relative to the origin that all tiles have.
+    /// The part, in coordinates relative to the common origin of all tiles.
     pub part: SurfacePart,
     /// The tile's file.
     pub glb: Vec<u8>,
-    /// What a tileset says of it.
+    /// The entry of the tile in a tileset.
     pub entry: TileEntry,
 }
 
-/// What a tileset says of a tile.
+/// The entry of a tile in a tileset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileEntry {
     /// The name of its file.
     pub name: String,
-    /// The box of what viewers show of it, in the space of tiles.
+    /// The box of its content in viewers, in the space of tiles.
     pub bounds: Box3,
     /// The error of its triangles.
     pub bound: Bound,
     /// The number of its triangles.
     pub triangles: u64,
-    /// The tiles that show its region finer, as indices of entries before this one.
+    /// The tiles with finer versions of its region, as indices of entries before this one.
     pub children: Vec<usize>,
 }
 
-/// A part with positions in single precision relative to `origin`, which is to be the same for all parts, so that what
-/// they share stays the same; zero for one that has such positions. Rounding adds to its bound.
+/// A part with positions in single precision relative to `origin`. The origin has to be the same for all parts, so that
+/// shared vertices stay equal; it may be zero for a part with such positions. Rounding adds to the bound.
 ///
 /// # Errors
 /// [`MeshFailure::Refused`] for coordinates beyond single precision.
 pub fn rounded_part(part: &SurfacePart, origin: [f64; 3]) -> Result<SurfacePart, MeshFailure> {
-    let (local, room) = about(&part.mesh, origin)?;
-    // STL has single precision and no origin of its own.
+    let (local, rounding) = about(&part.mesh, origin)?;
+    // STL stores single precision without an origin of its own.
     let rounded = snap(&local, Format::Stl)?;
-    let moved = Bound::proved(0.0, up(rounded.moved_at_most, room), Reference::InputTriangles);
+    let moved = Bound::proved(0.0, up(rounded.moved_at_most, rounding), Reference::InputTriangles);
     let mut bound = if moved.at_most() == Some(0.0) { part.bound.clone() } else { part.bound.then(&moved) };
-    // The worst place goes with the coordinates.
+    // The worst place moves with the coordinates.
     bound.at = bound.at.map(|at| std::array::from_fn(|k| at[k] - origin[k]));
     Ok(SurfacePart { mesh: rounded.mesh, shared: part.shared.clone(), bound })
 }
 
-/// The file of a part whose positions are rounded, and its entry.
+/// The file of a part with rounded positions, and its entry.
 ///
 /// # Errors
 /// As for [`glb::write`].
@@ -80,7 +80,7 @@ pub fn part_tile(
     Ok(PartTile { part, glb: bytes, entry })
 }
 
-/// The document of a tileset of parts: entries that are no child of another are at its root.
+/// The document of a tileset of parts: entries that are not a child of another entry are at its root.
 ///
 /// The geometric error of a tile is its proved error in metres, at least a step above that of its children.
 ///
@@ -99,14 +99,14 @@ pub fn part_tileset(entries: &[TileEntry], origin: [f64; 3], frame: &Frame) -> R
         let mut tile = Tile::leaf(tiles::aligned_box(&bounds), &entry.name);
         tile.extras = Some(tile_extras(&entry.bound, entry.triangles, metres));
         if !children.is_empty() {
-            let own = scaled_up(entry.bound.at_most().unwrap_or(f64::INFINITY), metres);
-            tile.geometric_error = greater(own, largest_error(&children).next_up());
+            let error = scaled_up(entry.bound.at_most().unwrap_or(f64::INFINITY), metres);
+            tile.geometric_error = greater(error, largest_error(&children).next_up());
             tile.children = children;
         }
         done.push(Some((tile, bounds)));
     }
     let roots: Vec<(Tile, Box3)> = done.into_iter().flatten().collect();
-    let all = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
+    let all_bounds = roots.iter().fold(Box3::EMPTY, |hull, (_, bounds)| hull.union(*bounds));
     let Some(mut bound) =
         Bound::of_parts(entries.iter().filter(|entry| entry.children.is_empty()).map(|entry| &entry.bound))
     else {
@@ -116,7 +116,7 @@ pub fn part_tileset(entries: &[TileEntry], origin: [f64; 3], frame: &Frame) -> R
     let mut root = root_of(roots);
     root.transform = placement_matrix(origin, frame);
     let tileset = Tileset {
-        geometric_error: add_up(mul_up(all.diagonal(), 1.0), root.geometric_error),
+        geometric_error: add_up(mul_up(all_bounds.diagonal(), 1.0), root.geometric_error),
         root,
         extras: Some(json!({ "chordal": {
             "version": env!("CARGO_PKG_VERSION"),

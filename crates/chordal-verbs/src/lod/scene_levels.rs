@@ -1,4 +1,4 @@
-//! `SceneLevels`: each part of a scene in levels of detail, and which of them make a level of the whole.
+//! `SceneLevels`: each part of a scene in levels of detail, and the levels of the scene that they form.
 use super::level_finisher::{LatticeFit, LevelFinisher};
 use super::level_mesh::LevelMesh;
 use crate::MeshFailure;
@@ -18,7 +18,7 @@ use chordal_io::glb::{PositionLattice, VertexStorage};
 use chordal_io::{Format, Part, Scene};
 use std::borrow::Cow;
 
-/// The parts of a scene in levels as they will be written.
+/// The parts of a scene in levels, in the form in which these will be written.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SceneLevels {
     /// The scene with the finest level of each part.
@@ -27,28 +27,28 @@ pub(super) struct SceneLevels {
     pub coarser: Vec<Vec<Part>>,
     /// By part: the bounds of all its levels in its own coordinates, the finest first.
     pub bounds: Vec<Vec<Bound>>,
-    /// By part and level: how far attributes are off, where they have limits.
+    /// By part and level: the deviations of attributes with limits.
     attributes: Vec<Vec<Vec<AttributeDeviation>>>,
-    /// The levels of the whole, the finest first.
+    /// The levels of the scene, the finest first.
     pub levels: Vec<SceneLevel>,
 }
 
-/// A level of the whole.
+/// A level of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SceneLevel {
     /// By part: its level.
     choice: Vec<usize>,
-    /// In the coordinates of the scene.
+    /// The bound in the coordinates of the scene.
     pub bound: Bound,
     pub triangles: u64,
     pub vertices: u64,
-    /// How far attributes are off, where they have limits.
+    /// The deviations of attributes with limits.
     pub attributes: Vec<AttributeFacts>,
 }
 
-/// A scene, and its parts at full precision in levels.
+/// A scene, with levels of its parts at full precision.
 pub(super) struct LevelChains {
-    /// The nodes, and what the scene has beside its parts. Their meshes are ignored.
+    /// The nodes, and the other data of the scene. The meshes of its parts are ignored.
     pub scene: Scene,
     /// By part: the largest factor by which its nodes lengthen.
     pub stretch: Vec<f64>,
@@ -56,21 +56,22 @@ pub(super) struct LevelChains {
     pub chains: Vec<Vec<LodLevel>>,
     /// By part: the lattice of its positions, one for all of its levels.
     pub lattices: Vec<Option<PositionLattice>>,
-    /// How far transforms that were applied have moved a vertex.
+    /// The largest distance by which applied transforms have moved a vertex through rounding.
     pub moved_at_most: f64,
-    /// The tolerance of the finest level of the whole.
+    /// The tolerance of the finest level of the scene.
     pub finest: f64,
 }
 
-/// A level of the whole that has more than this fraction of the triangles of the one before is left out.
+/// A level of the scene with more than this fraction of the triangles of the level before is left out. Chosen: it would save
+/// too little.
 const WORTH_IT: f64 = 0.8;
 
-/// The most levels of the whole: 2⁴⁸ between the errors of the finest and the coarsest.
+/// The most levels of the scene. Defined: 2⁴⁸ between the errors of the finest and the coarsest.
 const MOST_LEVELS: usize = 48;
 
 impl SceneLevels {
-    /// Rounds the levels of all parts to the precision of glTF, with their normals, and chooses the levels of
-    /// the whole: errors double from one to the next, and each part is in its coarsest level within them.
+    /// Rounds the levels of all parts to the precision of glTF, with their normals, and chooses the levels of the scene:
+    /// errors double from one to the next, and each part is in its coarsest level within them.
     pub fn new(
         source: LevelChains,
         finisher: &LevelFinisher,
@@ -95,7 +96,7 @@ impl SceneLevels {
                 stretch: stretch[number],
             });
             if let Some(pose) = &pose {
-                // Of levels that keep no length where they are shown, the mesh itself is the finest.
+                // If no simplified level keeps the length in the pose, the mesh itself is the finest level.
                 chain.insert(0, unchanged_level(pose.before));
             }
             let (lattice, measured) = match finisher.fit(&part.mesh, &chain, lattice, job)? {
@@ -106,15 +107,15 @@ impl SceneLevels {
             let mut measured = measured.into_iter();
             let storage = finisher.storage(lattice);
             let mut levels: Vec<Bounded<Part>> = Vec::new();
-            let mut off = Vec::new();
+            let mut deviations = Vec::new();
             for level in chain {
                 let level_attributes = measured.next().unwrap_or_else(|| {
-                    let mut off = level.attributes;
-                    off.iter_mut().for_each(|off| add_rounding(off, storage.as_ref()));
-                    off
+                    let mut deviations = level.attributes;
+                    deviations.iter_mut().for_each(|deviation| add_rounding(deviation, storage.as_ref()));
+                    deviations
                 });
                 let bound = if moved_at_most > 0.0 { level.bound.then(&moved) } else { level.bound };
-                let own = Part {
+                let level_part = Part {
                     name: part.name.clone(),
                     mesh: level.mesh,
                     indexed: part.indexed,
@@ -122,39 +123,39 @@ impl SceneLevels {
                     storage: storage.map(Box::new),
                     marks: part.marks.clone(),
                 };
-                let mut level = finisher.finish(own, bound, notes, job)?;
+                let mut level = finisher.finish(level_part, bound, notes, job)?;
                 if let Some(pose) = &pose {
                     level.bound = pose.bound(&mut level.shape, &level.bound, job)?;
                 }
-                // Rounding may leave two levels alike.
+                // Rounding may make two levels equal.
                 let is_coarser = |finer: &Bounded<Part>| level.bound.at_most() > finer.bound.at_most();
                 if levels.last().is_none_or(is_coarser) {
                     levels.push(level);
-                    off.push(level_attributes);
+                    deviations.push(level_attributes);
                 }
             }
             let is_fine = |level: &Bounded<Part>| error_in(&level.bound, stretch[number]) <= tolerance;
             if pose.is_some() && levels.get(1).is_some_and(is_fine) {
                 levels.remove(0);
-                off.remove(0);
+                deviations.remove(0);
             }
             let mut meshes = Vec::with_capacity(levels.len());
-            let mut own = Vec::with_capacity(levels.len());
+            let mut level_bounds = Vec::with_capacity(levels.len());
             for Bounded { shape, bound } in levels {
                 meshes.push(shape);
-                own.push(bound);
+                level_bounds.push(bound);
             }
             if meshes.is_empty() {
                 return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"));
             }
             *part = meshes.remove(0);
             coarser.push(meshes);
-            bounds.push(own);
-            attributes.push(off);
+            bounds.push(level_bounds);
+            attributes.push(deviations);
         }
-        let mut made = Self { finest, coarser, bounds, attributes, levels: Vec::new() };
-        made.choose_levels(&stretch, tolerance)?;
-        Ok(made)
+        let mut scene_levels = Self { finest, coarser, bounds, attributes, levels: Vec::new() };
+        scene_levels.choose_levels(&stretch, tolerance)?;
+        Ok(scene_levels)
     }
 
     fn choose_levels(&mut self, stretch: &[f64], finest: f64) -> Result<(), MeshFailure> {
@@ -193,7 +194,9 @@ impl SceneLevels {
         for (part, level) in choice.iter().enumerate() {
             most = greater(error_in(&self.bounds[part][*level], stretch[part]), most);
             let mesh = &self.part(part, *level).mesh;
-            self.attributes[part][*level].iter().for_each(|off| AttributeFacts::add(&mut attributes, off));
+            self.attributes[part][*level]
+                .iter()
+                .for_each(|deviation| AttributeFacts::add(&mut attributes, deviation));
             triangles += mesh.faces().len() as u64;
             vertices += mesh.positions().len() as u64;
         }
@@ -201,7 +204,7 @@ impl SceneLevels {
             let message = "the transforms of the scene take its coordinates out of range";
             return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
         }
-        // Another part may compensate for the error of one, so that only a single part has a lower bound.
+        // Another part may make up for the error of one, so that there is a lower bound only for a single part.
         let bound = match &choice[..] {
             [level] if is_alone => self.bounds[0][*level].clone(),
             _ => Bound::proved(0.0, most, Reference::InputTriangles),
@@ -216,13 +219,13 @@ impl SceneLevels {
         }
     }
 
-    /// A level of the whole as it will be written.
+    /// A level of the scene in the form in which it will be written.
     pub fn level_mesh(&self, k: usize) -> Option<LevelMesh> {
         let SceneLevel { bound, triangles, vertices, .. } = self.levels.get(k)?.clone();
         Some(LevelMesh { scene: self.scene(k)?.into_owned(), bound, triangles, vertices })
     }
 
-    /// A level of the whole as a scene.
+    /// A level of the scene, as a scene.
     pub fn scene(&self, k: usize) -> Option<Cow<'_, Scene>> {
         let choice = &self.levels.get(k)?.choice;
         if choice.iter().all(|level| *level == 0) {
@@ -254,18 +257,18 @@ struct PosedLevels<'a> {
 }
 
 impl PosedLevels<'_> {
-    /// The bound of a level where the scene shows it, as one in the part's own coordinates that its largest stretch makes as
-    /// large; its joints are rounded to what glTF holds.
-    fn bound(&self, level: &mut Part, own: &Bound, job: &Job) -> Result<Bound, MeshFailure> {
+    /// The bound of a level in its pose, converted to the part's own coordinates, so that the largest stretch turns it back.
+    /// Rounds the joints as glTF stores them.
+    fn bound(&self, level: &mut Part, own_bound: &Bound, job: &Job) -> Result<Bound, MeshFailure> {
         let mesh = std::mem::take(&mut level.mesh);
         level.mesh = rounded_deformation(mesh, level.storage.as_deref(), Format::Glb)?;
-        let most = own.at_most().unwrap_or(f64::INFINITY);
+        let most = own_bound.at_most().unwrap_or(f64::INFINITY);
         let moved = self.shown.moved(self.part, [self.before, &level.mesh], most, (None, job))?;
         let in_part = if self.stretch > 0.0 { div_up(moved, self.stretch) } else { moved };
         Ok(if in_part.is_finite() {
             Bound::proved(0.0, in_part, Reference::InputTriangles)
         } else {
-            Bound::with_evidence(0.0, None, own.evidence().clone(), Reference::InputTriangles)
+            Bound::with_evidence(0.0, None, own_bound.evidence().clone(), Reference::InputTriangles)
         })
     }
 }
@@ -279,19 +282,19 @@ fn unchanged_level(mesh: &Mesh) -> LodLevel {
     }
 }
 
-/// Adds to a measured difference what rounding to a storage may add.
-fn add_rounding(off: &mut AttributeDeviation, storage: Option<&VertexStorage>) {
+/// Adds to a measured deviation the largest error of rounding to a storage.
+fn add_rounding(deviation: &mut AttributeDeviation, storage: Option<&VertexStorage>) {
     let Some(storage) = storage else { return };
-    let lost = match off.semantic {
+    let lost = match deviation.semantic {
         Semantic::Normal | Semantic::Tangent => storage.directions.worst_deg(),
         Semantic::TexCoord(_) if storage.has_short_texcoords => VertexStorage::WORST_TEXCOORD,
         _ => 0.0,
     };
-    off.largest += lost;
-    off.rms += lost;
+    deviation.largest += lost;
+    deviation.rms += lost;
 }
 
-/// The upper end of a part's bound where its transforms lengthen it by `stretch`.
+/// The upper end of a part's bound if its transforms lengthen it by `stretch`.
 fn error_in(bound: &Bound, stretch: f64) -> f64 {
     placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), stretch)
 }

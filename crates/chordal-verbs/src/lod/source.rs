@@ -9,7 +9,7 @@ use crate::merge::{MergedMesh, merge};
 use crate::notes::{deformation_notes, reduction_notes};
 use crate::placements;
 use crate::request::MeshRequest;
-use crate::simplified_isosurface::room_to_simplify;
+use crate::simplified_isosurface::job_to_simplify;
 use crate::tessellate::tessellate;
 use crate::{MeshFailure, Normals, OutputForm, Shape};
 use chordal::budget::advice::Message;
@@ -22,7 +22,7 @@ use chordal_io::glb::PositionLattice;
 use chordal_io::{Format, Part, Scene, SceneAssets, glb};
 use std::collections::BTreeSet;
 
-/// How levels are made of any surface.
+/// Builds levels of any surface.
 pub(super) struct LevelSource<'a> {
     pub spec: &'a LodSpec,
     /// The tolerance of the finest level, rounding to the format included.
@@ -32,14 +32,14 @@ pub(super) struct LevelSource<'a> {
 
 /// Levels at full precision.
 pub(super) enum SourceLevels {
-    /// Each part in levels.
+    /// Levels of each part.
     Chains(Box<LevelChains>),
-    /// A finest level that is to be cut in space.
+    /// A finest level that has to be cut in space.
     TooLarge { finest: Box<Bounded<Mesh>>, cut: CutRule, assets: Box<SceneAssets> },
 }
 
 impl SourceLevels {
-    /// What the scene has beside its meshes.
+    /// The assets of the scene.
     pub fn assets(&self) -> SceneAssets {
         match self {
             Self::Chains(chains) => (*chains.scene.assets).clone(),
@@ -48,7 +48,7 @@ impl SourceLevels {
     }
 }
 
-/// How a finest level is cut in space.
+/// The rule by which a finest level is cut in space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CutRule {
     /// The most triangles of a tile.
@@ -57,18 +57,18 @@ pub(super) struct CutRule {
     pub lattice: Option<PositionLattice>,
 }
 
-/// The number of triangles at which a level is the last. Chosen: what a picture of a few pixels shows.
+/// The number of triangles at which a level is the last. Chosen: enough for a picture of a few pixels.
 const LAST_LEVEL: usize = 64;
 
-/// The least number at which a level of a part is the last: a tetrahedron.
+/// The least number of triangles at which a level of a part is the last. Defined: a tetrahedron.
 const LAST_LEVEL_OF_PART: usize = 4;
 
-/// The fraction of the finest error that meshing a field may use. Chosen: half of it takes several times as
-/// long to make and to prove.
+/// The fraction of the finest error that meshing a field may use. Chosen: with half of it, meshing and proving take several
+/// times as long.
 const SHARE_OF_FIELDS: f64 = 0.8;
 
 impl LevelSource<'_> {
-    /// Makes levels, and notes what they leave out.
+    /// Builds levels, and notes the data that they leave out.
     pub fn levels(&self, shape: Shape, notes: &mut Vec<Message>) -> Result<SourceLevels, MeshFailure> {
         let bounds = shape.bounds()?;
         match shape {
@@ -77,7 +77,7 @@ impl LevelSource<'_> {
         }
     }
 
-    fn most_of_a_tile(&self) -> usize {
+    fn max_tile_triangles(&self) -> usize {
         self.spec.tile_triangles.map_or(usize::MAX, |most| usize::try_from(most).unwrap_or(usize::MAX))
     }
 
@@ -88,36 +88,39 @@ impl LevelSource<'_> {
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         if !matches!(self.spec.normals, Normals::Auto | Normals::Keep) {
-            // Existing normals are to preserve no edge.
+            // Without the old normals, no edge is kept for them.
             drop_normals(&mut scene, notes)?;
         }
         notes.extend(deformation_notes(&scene));
         let stretch = placements::part_scales(&scene);
         let is_empty = |(part, stretch): (&Part, &f64)| part.mesh.faces().is_empty() || *stretch == 0.0;
         if scene.parts.iter().zip(&stretch).all(is_empty) {
-            return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
+            return Err(MeshFailure::refused(
+                RefusalCode::Empty,
+                "there are no triangles to build levels from",
+            ));
         }
         if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, &stretch, bounds)? {
             let (mut stretch, mut moved) = (stretch, 0.0);
             if self.spec.tile_triangles.is_some() {
-                (scene, moved) = still(scene, notes)?;
+                (scene, moved) = without_motion(scene, notes)?;
                 stretch = placements::part_scales(&scene);
             }
             return self.of_parts(PlacedScene { scene, stretch, moved }, bounds, notes);
         }
-        let (scene, moved) = still(scene, notes)?;
+        let (scene, moved) = without_motion(scene, notes)?;
         self.of_merged_parts(scene, moved, bounds, notes)
     }
 
-    /// Whether the finest level is to be cut in space.
+    /// Whether the finest level has to be cut in space.
     fn is_too_large(&self, scene: &Scene, stretch: &[f64], bounds: Box3) -> Result<bool, MeshFailure> {
-        let most = self.most_of_a_tile();
+        let most = self.max_tile_triangles();
         let n_faces = |part: &Part| part.mesh.faces().len();
         if scene.parts.iter().map(n_faces).sum::<usize>() <= most {
             return Ok(false);
         }
         let lengths = self.part_lengths(scene, stretch, bounds)?;
-        let mut left = most;
+        let mut remaining = most;
         for (part, length) in scene.parts.iter().zip(lengths) {
             let attributes = attributes_before_rounding(self.spec);
             let finest =
@@ -129,14 +132,14 @@ impl LevelSource<'_> {
                 }
                 None => n_faces(part),
             };
-            let Some(fewer) = left.checked_sub(n) else { return Ok(true) };
-            left = fewer;
+            let Some(fewer) = remaining.checked_sub(n) else { return Ok(true) };
+            remaining = fewer;
         }
         Ok(false)
     }
 
-    /// By part: the tolerance of its finest level in its own coordinates, less what rounding costs; `None` for one
-    /// that stays as it is.
+    /// By part: the tolerance of its finest level in its own coordinates, less the rounding; `None` for a part that stays
+    /// as it is.
     fn part_lengths(
         &self,
         scene: &Scene,
@@ -145,15 +148,15 @@ impl LevelSource<'_> {
     ) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
         let lost = format_rounding::worst_rounding(scene, stretch, &self.targets(scene, stretch));
         let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
-        let left = request.reserve_rounding(lost)?.length.unwrap_or(self.finest);
+        let remaining = request.reserve_rounding(lost)?.length.unwrap_or(self.finest);
         let length = |((part, stretch), takes_levels): ((&Part, &f64), bool)| {
             let changes = takes_levels && !part.mesh.faces().is_empty();
-            if changes { placements::length_in_part(left.get(), *stretch) } else { None }
+            if changes { placements::length_in_part(remaining.get(), *stretch) } else { None }
         };
         Ok(scene.parts.iter().zip(stretch).zip(glb::takes_levels(scene)).map(length).collect())
     }
 
-    /// What each part is rounded to.
+    /// The rounding of each part.
     fn targets(&self, scene: &Scene, stretch: &[f64]) -> Vec<RoundingTarget> {
         let length = format_rounding::length_for_lattice(self.finest.get(), &self.spec.attributes);
         format_rounding::targets(scene, stretch, self.form(), |_| length)
@@ -215,9 +218,9 @@ impl LevelSource<'_> {
         bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
-        let placed = flatten::flatten(scene)?;
-        notes.extend(placed.note());
-        let TransformedScene { scene, moved_at_most, .. } = placed;
+        let flattened = flatten::flatten(scene)?;
+        notes.extend(flattened.note());
+        let TransformedScene { scene, moved_at_most, .. } = flattened;
         let moved_at_most = if moved == 0.0 { moved_at_most } else { add_up(moved, moved_at_most) };
         let Scene { frame, assets, .. } = &scene;
         let template = Scene { assets: assets.clone(), ..Scene::from_mesh(NAME, Mesh::default(), *frame) };
@@ -227,7 +230,7 @@ impl LevelSource<'_> {
         let inner = request.with_budget(inner).reserve_rounding(moved_at_most)?;
         let steps = self.steps(&inner);
         let chain = lod::chain(LodSource::Triangles(&mesh, topology), &steps, self.job)?;
-        // On a lattice attributes slide, and nothing measures them against parts that were put together.
+        // Rounding to a lattice changes attributes, and there is no measurement of them against merged parts.
         let lattice = request.lattice.filter(|_| !self.spec.attributes.is_set());
         self.as_source(template, chain, (moved_at_most, lattice), notes)
     }
@@ -245,28 +248,29 @@ impl LevelSource<'_> {
         if matches!(shape, Shape::Field(_) | Shape::Volume(_)) {
             steps.tessellation_share = SHARE_OF_FIELDS;
         }
-        // As many triangles as can be simplified, and where the lattice's own are more, these.
-        let room = room_to_simplify(self.job);
-        let mut make = |length: Tolerance| {
+        // Meshes with as many triangles as can be simplified; if the volume's own lattice gives more, with its own
+        // triangles.
+        let simplification_job = job_to_simplify(self.job);
+        let mut build = |length: Tolerance| {
             if !matches!(shape, Shape::Volume(_)) {
                 return tessellate(shape, length, bounds, notes, self.job);
             }
             let before = notes.len();
-            match tessellate(shape, length, bounds, notes, &room) {
-                Err(JobError::Refused(why)) if why.code == RefusalCode::TooManyTriangles => {
+            match tessellate(shape, length, bounds, notes, &simplification_job) {
+                Err(JobError::Refused(refusal)) if refusal.code == RefusalCode::TooManyTriangles => {
                     notes.truncate(before);
                     tessellate(shape, length, bounds, notes, self.job)
                 }
-                made => made,
+                result => result,
             }
         };
-        let chain = lod::chain(LodSource::Smooth(&mut make), &steps, self.job)?;
+        let chain = lod::chain(LodSource::Smooth(&mut build), &steps, self.job)?;
         self.as_source(template, chain, (0.0, request.lattice), notes)
     }
 
     fn steps(&self, budget: &Budget) -> LodSteps {
         let finest = budget.length.unwrap_or(self.finest);
-        let max_untiled_triangles = self.most_of_a_tile();
+        let max_untiled_triangles = self.max_tile_triangles();
         let attributes = attributes_before_rounding(self.spec);
         LodSteps {
             max_untiled_triangles,
@@ -287,7 +291,7 @@ impl LevelSource<'_> {
         if let Some(coarsest) = chain.last() {
             notes.extend(reduction_notes(&coarsest.stats));
         }
-        let most = self.most_of_a_tile();
+        let most = self.max_tile_triangles();
         if chain.first().is_none_or(|finest| finest.mesh.faces().len() <= most) {
             let finest = self.finest.get();
             let (stretch, chains, lattices) = (vec![1.0], vec![chain], vec![lattice]);
@@ -302,18 +306,19 @@ impl LevelSource<'_> {
     }
 }
 
-/// A scene of which levels are made.
+/// A scene for which levels are built.
 struct PlacedScene {
     scene: Scene,
     /// By part: the largest factor by which its nodes lengthen.
     stretch: Vec<f64>,
-    /// How far transforms that were applied have moved a vertex.
+    /// The largest distance by which applied transforms have moved a vertex through rounding.
     moved: f64,
 }
 
-/// Leaves out what moves a scene, and what it has beside its materials: tiles and merged meshes hold none of it. What a
-/// skin or morph targets pose stays in that pose. Returns as well how far that rounded a vertex.
-fn still(scene: Scene, notes: &mut Vec<Message>) -> Result<(Scene, f64), MeshFailure> {
+/// Removes the motion of a scene, and its assets except materials: tiles and merged meshes hold none of them. Parts that a
+/// skin or morph targets pose stay in that pose. Also returns the largest distance by which rounding the pose moved a
+/// vertex.
+fn without_motion(scene: Scene, notes: &mut Vec<Message>) -> Result<(Scene, f64), MeshFailure> {
     let TransformedScene { mut scene, moved_at_most, .. } =
         if flatten::is_posed(&scene) { flatten::flatten(scene)? } else { TransformedScene::unchanged(scene) };
     leave_out_motion(&mut scene, notes)?;
@@ -343,13 +348,15 @@ fn leave_out_motion(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), M
     Ok(())
 }
 
-/// What nodes say beside their transforms and what the assets list, by name.
+/// The properties of nodes beside their transforms and assets, by name.
 fn properties_of_nodes(scene: &Scene) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for (key, value) in scene.nodes.iter().flat_map(|node| &*node.properties) {
         match key.as_str() {
             "translation" | "rotation" | "scale" | "camera" | "skin" | "weights" => {}
-            "extensions" => names.extend(value.as_object().into_iter().flat_map(|all| all.keys().cloned())),
+            "extensions" => {
+                names.extend(value.as_object().into_iter().flat_map(|extensions| extensions.keys().cloned()))
+            }
             other => drop(names.insert(format!("{other} of nodes"))),
         }
     }
@@ -362,7 +369,7 @@ fn part_chain(part: &Part, steps: &LodSteps, job: &Job) -> Result<Vec<LodLevel>,
     Ok(lod::chain(LodSource::Triangles(&part.mesh, topology), steps, job)?)
 }
 
-/// All parts of a scene in world coordinates as one mesh, and how its rows are tied.
+/// All parts of a scene in world coordinates as one mesh, with the way in which its rows are tied.
 fn merged_mesh(mut scene: Scene, notes: &mut Vec<Message>) -> Result<(Mesh, Topology), MeshFailure> {
     if scene.parts.len() == 1 {
         let part = scene.parts.remove(0);
@@ -374,7 +381,7 @@ fn merged_mesh(mut scene: Scene, notes: &mut Vec<Message>) -> Result<(Mesh, Topo
     let meshes: Vec<&Mesh> = scene.parts.iter().map(|part| &part.mesh).collect();
     let MergedMesh { mesh, is_partial } = merge(&meshes)?;
     if is_partial {
-        notes.push("what only some of the parts carry at their vertices was left out".into());
+        notes.push("vertex attributes that only some of the parts have were left out".into());
     }
     Ok((mesh, Topology::Indices))
 }

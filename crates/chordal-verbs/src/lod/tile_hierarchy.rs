@@ -22,11 +22,11 @@ const MOST_TILES: usize = 20_000;
 /// A finest level that is cut in space, with all coarser levels.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TileHierarchy {
-    /// The finest level in one piece, as it is shown from near.
+    /// The finest level in one piece, for views from near.
     pub finest: LevelMesh,
-    /// Tiles as they will be written, parents before children.
+    /// Tiles in the form in which they will be written, parents before children.
     pub tiles: Vec<LevelMesh>,
-    /// By tile: those that show the same region at a finer level.
+    /// By tile: the tiles that show the same region at a finer level.
     pub children: Vec<Vec<usize>>,
     pub roots: Vec<usize>,
     /// The origin of all coordinates.
@@ -34,8 +34,8 @@ pub(super) struct TileHierarchy {
 }
 
 impl TileHierarchy {
-    /// Cuts a mesh into tiles of at most so many triangles. Coordinates are in single precision relative to
-    /// one common origin, or on one lattice about it, so that coordinates shared by two tiles are identical.
+    /// Cuts a mesh into tiles of at most `most` triangles. Coordinates are in single precision relative to one common
+    /// origin, or on one lattice about it, so that coordinates that two tiles share are identical.
     pub fn build(
         finest: Bounded<Mesh>,
         finisher: &LevelFinisher,
@@ -51,11 +51,11 @@ impl TileHierarchy {
             return Err(MeshFailure::Usage(message));
         }
         let origin = snap(&mesh, Format::Glb)?.origin;
-        let (local, room) = about(&mesh, origin)?;
+        let (local, rounding) = about(&mesh, origin)?;
         let target = RoundingTarget::new(Format::Stl, lattice);
         let storage = finisher.storage(lattice);
         let (rounded, moved) = round_tile(&local, &target, job)?;
-        let bound = bound.then(&Bound::proved(0.0, up(moved, room), Reference::InputTriangles));
+        let bound = bound.then(&Bound::proved(0.0, up(moved, rounding), Reference::InputTriangles));
         let mut scene = finisher.scene(rounded, storage)?;
         finisher.apply_normals(&mut scene, notes)?;
         scene.parts.iter_mut().try_for_each(round_attributes)?;
@@ -63,7 +63,7 @@ impl TileHierarchy {
         let Some(part) = scene.parts.first() else {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
         };
-        // A finest level without loss starts there.
+        // If the finest level has no error, the errors of coarser levels start at its resolution.
         let resolution = f64::from(f32::EPSILON) * part.mesh.bounds().diagonal(); // about that of single precision
         let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
         let step = step.or_else(|| Tolerance::new(resolution).ok());
@@ -73,13 +73,13 @@ impl TileHierarchy {
             attributes: finisher.attributes,
             ..TilingOptions::from_step(step)
         };
-        let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
-        let made = lod::tiling::tree(&made, Topology::Positions, &cuts, job)?;
+        let root = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
+        let tree = lod::tiling::tree(&root, Topology::Positions, &cuts, job)?;
         let mut stats = ReductionStats::default();
-        made.roots.iter().for_each(|root| stats += made.tiles[*root].stats);
+        tree.roots.iter().for_each(|root| stats += tree.tiles[*root].stats);
         notes.extend(reduction_notes(&stats));
         let (mut tiles, mut children) = (Vec::new(), Vec::new());
-        for tile in made.tiles {
+        for tile in tree.tiles {
             let (rounded, moved) = round_tile(&tile.mesh, &target, job)?;
             let step = Bound::proved(0.0, moved, Reference::InputTriangles);
             let bound = if moved > 0.0 { tile.bound.then(&step) } else { tile.bound };
@@ -90,10 +90,10 @@ impl TileHierarchy {
         }
         let (triangles, vertices) = counts(&scene);
         let finest = LevelMesh { scene, bound, triangles, vertices };
-        Ok(Self { finest, tiles, children, roots: made.roots, origin })
+        Ok(Self { finest, tiles, children, roots: tree.roots, origin })
     }
 
-    /// The tiles that are shown for an allowed error: the coarsest within it, and leaves.
+    /// The tiles that are shown for an allowed error: the coarsest tiles within it, and leaves.
     fn visible_tiles(&self, error: f64) -> Vec<usize> {
         let mut open = self.roots.clone();
         let mut shown = Vec::new();
@@ -107,7 +107,7 @@ impl TileHierarchy {
         shown
     }
 
-    /// What is shown where all of the shape is equally far away, for each error that a tile has.
+    /// The tiles that are shown if all of the shape is equally far away, for each error of a tile.
     pub fn counts(&self) -> Vec<LevelFacts> {
         let mut errors: Vec<f64> = self.tiles.iter().map(LevelMesh::error).collect();
         errors.sort_by(f64::total_cmp);
@@ -115,10 +115,10 @@ impl TileHierarchy {
         let mut levels: Vec<LevelFacts> = Vec::new();
         for error in errors {
             let shown = self.visible_tiles(error);
-            let sum = |of: fn(&LevelMesh) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
+            let sum = |count: fn(&LevelMesh) -> u64| shown.iter().map(|tile| count(&self.tiles[*tile])).sum();
             let at_most = shown.iter().fold(0.0, |most, tile| greater(most, self.tiles[*tile].error()));
-            // One tile may compensate for the error of another.
-            let at_least = if let [one] = shown[..] { self.tiles[one].bound.at_least() } else { 0.0 };
+            // The error of one tile may make up for the error of another.
+            let at_least = if let [tile] = shown[..] { self.tiles[tile].bound.at_least() } else { 0.0 };
             let tiles = shown.len() as u64;
             let level = LevelFacts {
                 triangles: sum(|tile| tile.triangles),
@@ -140,29 +140,29 @@ impl TileHierarchy {
     }
 }
 
-/// A mesh in coordinates relative to an origin, and how far rounding moves them.
+/// A mesh in coordinates relative to an origin, and the largest distance by which rounding them moves a vertex.
 pub(super) fn about(mesh: &Mesh, origin: [f64; 3]) -> Result<(Mesh, f64), MeshFailure> {
     if origin == [0.0; 3] {
         return Ok((mesh.clone(), 0.0));
     }
     let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
     let local = mesh.with_positions(local).map_err(unsupported)?;
-    // Half a unit in the last place of each of three differences, and of each coordinate of the origin in
-    // metres: less than two units of the largest number.
+    // Half a unit in the last place of each of three differences, and of each coordinate of the origin in metres: less than
+    // two units of the largest number.
     let largest = reach(local.positions().as_flattened());
-    let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
-    Ok((local, room))
+    let rounding = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
+    Ok((local, rounding))
 }
 
-/// The triangles of a tile at the positions of its file, and how far they moved. Those that a lattice left with
-/// two corners at one place are dropped: their neighbours share the edge.
+/// The triangles of a tile at the positions of its file, and the largest distance that these moved. Triangles that a lattice
+/// left with two corners at one point are dropped: their neighbours share the edge.
 fn round_tile(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, f64), MeshFailure> {
     let snapped = target.snap(mesh)?;
     if target.lattice.is_some() && snapped.moved_at_most > 0.0 {
-        let kept = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
-        // Where nothing would remain there is no bound, and all of it stays.
-        if let Some(moved) = kept.bound.at_most() {
-            return Ok((kept.mesh, up(snapped.moved_at_most, moved)));
+        let cleaned = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
+        // If nothing would remain, there is no bound, and all triangles stay.
+        if let Some(moved) = cleaned.bound.at_most() {
+            return Ok((cleaned.mesh, up(snapped.moved_at_most, moved)));
         }
     }
     Ok((snapped.mesh, snapped.moved_at_most))

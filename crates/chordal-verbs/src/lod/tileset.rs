@@ -20,25 +20,24 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 impl LodOutcome {
-    /// The files of a tileset of 3D Tiles 1.1: `tileset.json` is the document, and beside it are the tiles, and
-    /// each picture once that tiles show. With up to `spec.tile_triangles` in the finest level, it has one tile
-    /// a level, each the child of the next coarser one. Above that, the finest level is cut in space
-    /// ([`chordal::lod::tiling::tree`]), and tiles meet without cracks whichever are shown. A tile holds the
-    /// materials that its own faces have.
+    /// The files of a tileset of 3D Tiles 1.1: `tileset.json` is the document, and beside it are the tiles, and once each
+    /// picture that tiles show. If the finest level has up to `spec.tile_triangles`, there is one tile a level, each the
+    /// child of the next coarser one. Above that, the finest level is cut in space ([`chordal::lod::tiling::tree`]), and
+    /// tiles meet without cracks whichever are shown. A tile holds the materials of its own faces.
     ///
     /// # Errors
     /// As for [`glb::write`] and [`tiles::write`].
     pub fn tileset(&self) -> Result<FileSet<'_>, MeshFailure> {
         let mut files = TileFiles::default();
-        let root = match &self.made {
+        let root = match &self.layout {
             LodLayout::Levels(levels) => self.as_chain(levels, &mut files)?,
             LodLayout::Cut(cut) => self.as_tree(cut, &mut files)?,
         };
         let tileset = self.tileset_from_root(root);
         let document = tiles::write(&tileset).map_err(|error| WriteError::Unsupported(error.to_string()))?;
         let TileFiles { files: mut beside, shown } = files;
-        let all = self.made.finest_scene().assets.picture_files(PICTURES);
-        beside.extend(all.into_iter().filter(|file| shown.contains(&file.name)));
+        let pictures = self.layout.finest_scene().assets.picture_files(PICTURES);
+        beside.extend(pictures.into_iter().filter(|file| shown.contains(&file.name)));
         Ok(FileSet { document, beside })
     }
 
@@ -57,7 +56,7 @@ impl LodOutcome {
 
     /// One tile a region.
     fn as_tree(&self, cut: &TileHierarchy, files: &mut TileFiles<'_>) -> Result<Tile, MeshFailure> {
-        // Children come after their parents, so that in reverse order every tile finds its children made.
+        // Children come after their parents, so that in reverse order the children of every tile are finished.
         let mut done: Vec<Option<(Tile, Box3)>> = cut.tiles.iter().map(|_| None).collect();
         for (k, tile) in cut.tiles.iter().enumerate().rev() {
             let name = format!("tile_{k}.glb");
@@ -92,7 +91,7 @@ impl LodOutcome {
         Ok(tiles::content_bounds(&level.scene)?)
     }
 
-    /// A tile for a file, with finer ones as its children.
+    /// A tile for a file, with finer tiles as its children.
     fn tile(&self, level: &LevelMesh, bounds: &Box3, name: &str, children: Vec<Tile>) -> Tile {
         let metres = self.metres();
         let mut tile = Tile::leaf(tiles::aligned_box(bounds), name);
@@ -105,17 +104,19 @@ impl LodOutcome {
     }
 
     fn metres(&self) -> f64 {
-        self.made.finest_scene().frame.metres_per_unit.unwrap_or(1.0)
+        self.layout.finest_scene().frame.metres_per_unit.unwrap_or(1.0)
     }
 
     fn tileset_from_root(&self, mut root: Tile) -> Tileset {
         if let Some(place) = self.spec.place {
-            let own = root.transform.as_deref();
-            root.transform = Some(Box::new(own.map_or(place.matrix(), |own| moved(&place.matrix(), own))));
+            let root_matrix = root.transform.as_deref();
+            root.transform = Some(Box::new(
+                root_matrix.map_or(place.matrix(), |root_matrix| moved(&place.matrix(), root_matrix)),
+            ));
         }
         let scaled = self.spec.errors == TileErrors::Scaled;
         let pixels = self.spec.pixels.get();
-        let said = if scaled {
+        let description = if scaled {
             "scaled so that the viewers' formula keeps the pixels everywhere on the screen"
         } else {
             "the proved error"
@@ -125,7 +126,7 @@ impl LodOutcome {
             root,
             extras: Some(json!({ "chordal": {
                 "certificate": self.certificate,
-                "geometricError": said,
+                "geometricError": description,
                 "viewer": {
                     "3d-tiles-renderer": { "errorTarget": pixels },
                     "CesiumJS": { "maximumScreenSpaceError": pixels, "dynamicScreenSpaceError": false },
@@ -134,52 +135,53 @@ impl LodOutcome {
         }
     }
 
-    /// The geometric error of a tile: viewers show it from where this is the wanted pixels in the middle of
-    /// the screen. It exceeds that of the children, as the specification requires.
+    /// The geometric error of a tile: viewers switch to it at the distance at which this is the requested pixels in the
+    /// middle of the screen. It exceeds that of the children, as the specification requires.
     fn geometric_error(&self, bound: &Bound, metres: f64, finer: f64) -> f64 {
         let lens = &self.spec.lens;
-        let own = bound.at_most().unwrap_or(f64::INFINITY);
-        let error = placements::scaled_up(own, metres);
-        let far = SwitchDistances::new(&[own], *lens, self.spec.pixels).distance(0).filter(|d| d.is_finite());
-        let said = match (self.spec.errors, far.zip(lens.focal_px())) {
+        let at_most = bound.at_most().unwrap_or(f64::INFINITY);
+        let error = placements::scaled_up(at_most, metres);
+        let far =
+            SwitchDistances::new(&[at_most], *lens, self.spec.pixels).distance(0).filter(|d| d.is_finite());
+        let geometric_error = match (self.spec.errors, far.zip(lens.focal_px())) {
             (TileErrors::Scaled, Some((distance, focal))) => {
-                // Four roundings here and two in the viewer, up.
-                let scaled = self.spec.pixels.get() * distance * metres / focal * (1.0 + 8.0 * f64::EPSILON); // as said
+                // Four roundings here and two in the viewer may lower the value.
+                let scaled = self.spec.pixels.get() * distance * metres / focal * (1.0 + 8.0 * f64::EPSILON); // rounded up
                 greater(scaled, error)
             }
             _ => error,
         };
         let least = finer.next_up();
-        greater(said, least)
+        greater(geometric_error, least)
     }
 }
 
-/// The one tile that covers all: an empty one above these where they are several.
+/// The single root tile: an empty tile above the roots if there are several.
 pub(super) fn root_of(mut roots: Vec<(Tile, Box3)>) -> Tile {
     if roots.len() == 1 {
         return roots.remove(0).0;
     }
-    let bounds = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
+    let bounds = roots.iter().fold(Box3::EMPTY, |hull, (_, bounds)| hull.union(*bounds));
     let children: Vec<Tile> = roots.into_iter().map(|(tile, _)| tile).collect();
-    let mut above = Tile::leaf(tiles::aligned_box(&bounds), "");
-    above.contents.clear();
-    above.geometric_error = add_up(largest_error(&children), bounds.diagonal());
-    above.children = children;
-    above
+    let mut parent = Tile::leaf(tiles::aligned_box(&bounds), "");
+    parent.contents.clear();
+    parent.geometric_error = add_up(largest_error(&children), bounds.diagonal());
+    parent.children = children;
+    parent
 }
 
-/// The tiles that are written.
+/// The files of tiles, as far as they are written.
 #[derive(Default)]
 struct TileFiles<'a> {
     files: Vec<SideFile<'a>>,
-    /// The pictures that they name.
+    /// The pictures that the tiles name.
     shown: BTreeSet<String>,
 }
 
-/// What the names of pictures begin with: nothing, as they stand in a folder of their own.
+/// The prefix of the names of pictures: empty, since they are in a folder of their own.
 const PICTURES: &str = "";
 
-/// A level as it is written: with the materials of its own faces, and pictures in files.
+/// A level in the form in which it is written: with the materials of its own faces, and pictures in files.
 fn tile_scene(scene: &Scene) -> Result<Cow<'_, Scene>, InvalidMesh> {
     if scene.assets.images.is_empty() {
         return scene.with_used_materials();
@@ -193,12 +195,17 @@ fn tile_scene(scene: &Scene) -> Result<Cow<'_, Scene>, InvalidMesh> {
     Ok(Cow::Owned(used.unwrap_or(beside)))
 }
 
-/// What is said of materials that no face has: no tile holds them.
+/// A note on materials that no face has: tiles do not hold them.
 pub(super) fn unused_note(scene: &Scene) -> Result<Option<Message>, MeshFailure> {
-    let all = scene.assets.materials.len();
+    let n_materials = scene.assets.materials.len();
     let used = scene.with_used_materials().map_err(unsupported)?.assets.materials.len();
-    let note = || format!("tiles hold the materials that faces have: {} of {all} are left out", all - used);
-    Ok((used < all).then(|| note().into()))
+    let note = || {
+        format!(
+            "tiles hold the materials that faces have: {} of {n_materials} are left out",
+            n_materials - used
+        )
+    };
+    Ok((used < n_materials).then(|| note().into()))
 }
 
 /// The largest geometric error of several tiles.
@@ -214,7 +221,7 @@ pub(super) fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
     }})
 }
 
-/// A matrix that moves by the last column of another first.
+/// The product of a matrix with a translation by the last column of another matrix, which is applied first.
 fn moved(matrix: &[f64; 16], first: &[f64; 16]) -> [f64; 16] {
     let mut out = *matrix;
     for k in 0..3 {

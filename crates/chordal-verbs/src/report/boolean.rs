@@ -1,4 +1,4 @@
-//! What was combined by a boolean, in the report.
+//! The operands of a boolean, in the report.
 use super::{BoundFacts, InputFacts};
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct BooleanFacts {
     /// How they were cut along each other: "floating-point" or "rational".
     pub method: &'static str,
-    /// All of them; the first is the input.
+    /// All solids; the first is the input.
     pub operands: Vec<BooleanOperandFacts>,
 }
 
@@ -18,11 +18,11 @@ pub struct BooleanOperandFacts {
     pub op: Option<&'static str>,
     /// Its file.
     pub input: InputFacts,
-    /// The triangles that stood for it.
+    /// The triangles of the solid before it was cut.
     pub triangles: u64,
-    /// Those of the result that were cut from them.
+    /// The triangles of the result that were cut from them.
     pub kept: u64,
-    /// How far these triangles are from its true shape; `None` where they are its own.
+    /// The bound of these triangles against the true shape; `None` if they are the shape itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<BoundFacts>,
 }

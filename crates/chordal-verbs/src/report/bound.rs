@@ -13,8 +13,8 @@ pub struct BoundFacts {
     pub at_most: Option<f64>,
     /// The distance on the screen is at most this many pixels; `None` without a view.
     pub pixels: Option<f64>,
-    /// The largest measured angle between a triangle's normal and the shape's, in degrees; present where an
-    /// angle was requested.
+    /// The largest measured angle between a triangle's normal and the shape's, in degrees; present if an angle was
+    /// requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
     /// "proved", "proved-if", "measured" or "estimated".
@@ -31,7 +31,7 @@ pub struct BoundFacts {
     pub reference: &'static str,
     /// The point of the largest known loss.
     pub at: Option<[f64; 3]>,
-    /// The places that a proof within a length left open; present where there are some.
+    /// The places that a proof within a length left open; present if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub open: Option<OpenPlacesFacts>,
 }
@@ -45,20 +45,20 @@ pub struct OpenPlacesFacts {
     pub area: f64,
     /// The area of all triangles.
     pub whole_area: f64,
-    /// The largest of them, the largest first.
+    /// The largest places, in this order.
     pub largest: Vec<OpenPlaceFacts>,
 }
 
-/// One of them.
+/// One place that a proof left open.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OpenPlaceFacts {
     /// The middle of its box.
     pub at: [f64; 3],
     /// The diagonal of its box.
     pub size: f64,
-    /// The area of its triangles; 0 where a part of the true shape could be without any.
+    /// The area of its triangles; 0 if a part of the true shape may have no triangles near it.
     pub area: f64,
-    /// A point where two surfaces touch; present where one is seen.
+    /// A point where two surfaces touch; present if one was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<ContactFacts>,
 }
@@ -66,11 +66,11 @@ pub struct OpenPlaceFacts {
 /// A point where two surfaces touch, in the report.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ContactFacts {
-    /// `tangent`: from opposite sides; `flush`: from one side, as faces that lie in one another.
+    /// `tangent`: from opposite sides; `flush`: from one side, as faces that coincide.
     pub kind: &'static str,
     /// The point.
     pub at: [f64; 3],
-    /// The lines of the script that made the two; present where they are known.
+    /// The lines of the script that made the two surfaces; present if they are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lines: Option<[u64; 2]>,
 }
@@ -109,7 +109,7 @@ impl OpenPlacesFacts {
         }
     }
 
-    /// `not proved at 2 places …`, or why nothing is proved where no place is open.
+    /// `not proved at 2 places …`, or, if no place is open, why nothing is proved.
     pub(crate) fn why_unproved(&self) -> String {
         let at = if self.count == 0 { ":" } else { " at" };
         format!("not proved{at} {self}")
@@ -117,12 +117,12 @@ impl OpenPlacesFacts {
 }
 
 impl fmt::Display for OpenPlacesFacts {
-    /// `2 places (0.05% of the area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)`, and where surfaces
-    /// touch there; where no place is open, why nothing is proved all the same.
+    /// `2 places (0.05% of the area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)`, with a contact of surfaces
+    /// if there is one; if no place is open, the reason why nothing is proved nevertheless.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.count == 0 {
             return f.write_str(
-                "no place is open, and yet a point is farther away than what would be proved: something promised of the \
+                "no place is open, and yet a point is farther away than the length to prove: a promise about the \
                  shape does not hold",
             );
         }
@@ -134,13 +134,13 @@ impl fmt::Display for OpenPlacesFacts {
         let contact = self.largest.iter().filter_map(|place| place.contact).find(ContactFacts::is_tangent);
         match contact.map(ContactFacts::contact) {
             Some(contact) => write!(f, "; {contact}"),
-            // Faces that lie in one another are mostly meant.
+            // Coinciding faces are mostly intended.
             None => Ok(()),
         }
     }
 }
 
-/// A part of a whole in percent, rounded to two digits and never to nothing or everything.
+/// A part of a whole in percent, rounded to two digits, but never to 0% or 100%.
 fn share(part: f64, whole: f64) -> String {
     let percent = 100.0 * part / whole;
     match percent {
@@ -190,6 +190,6 @@ mod tests {
             "1 place (0.05% of the area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)"
         );
         let none = OpenPlacesFacts::new(&OpenPlaces::new(Vec::new(), 5900.0)).to_string();
-        assert!(none.contains("promised of the shape does not hold") && !none.contains('0'), "{none}");
+        assert!(none.contains("a promise about the shape does not hold") && !none.contains('0'), "{none}");
     }
 }

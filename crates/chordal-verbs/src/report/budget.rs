@@ -3,7 +3,7 @@ use chordal::budget::camera::Projection;
 use chordal::budget::{Budget, View};
 use serde::Serialize;
 
-/// A [`Budget`] in the report: lengths are absolute, however they were given.
+/// A [`Budget`] in the report: lengths are absolute, in whatever way they were given.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BudgetFacts {
     /// The largest distance to the true shape.
@@ -43,12 +43,12 @@ impl BudgetFacts {
     }
 }
 
-/// A [`View`] in the report. `text` alone suffices to restore it.
+/// A [`View`] in the report. The view can be restored from `text`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ViewFacts {
-    /// As on a command line.
+    /// The view in the syntax of the command line.
     pub text: String,
-    /// "camera" for one eye, "closest" for every eye that keeps its distance.
+    /// "camera" for one eye, "closest" for every eye at that distance or farther.
     pub kind: &'static str,
     /// Columns of the screen.
     pub width_px: u32,

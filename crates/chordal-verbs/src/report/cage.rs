@@ -43,7 +43,7 @@ impl RefinementFacts {
     }
 }
 
-/// What a cage is; only from `inspect`.
+/// The facts about a cage; only from `inspect`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CageFacts {
     /// The scheme, as in "catmull-clark".
@@ -64,7 +64,7 @@ pub struct CageFacts {
     pub isolated_vertices: u64,
     /// Extraordinary interior vertices by valence; 4 is regular, or 6 for Loop.
     pub irregular: BTreeMap<u64, u64>,
-    /// The same on the boundary, where 3 is regular, or 4 for Loop.
+    /// The same on the boundary; there 3 is regular, or 4 for Loop.
     pub irregular_border: BTreeMap<u64, u64>,
     /// Sharp edges.
     pub creases: SharpnessFacts,
@@ -72,10 +72,10 @@ pub struct CageFacts {
     pub corners: SharpnessFacts,
     /// Hole faces, which have no surface.
     pub holes: u64,
-    /// Rows of texture coordinates that corners use; `None` where there are none.
+    /// Rows of texture coordinates that corners use; `None` if there are none.
     pub texcoords: Option<u64>,
-    /// Where refinement interpolates them linearly: "none", "corners-only", "corners-plus-1",
-    /// "corners-plus-2", "boundaries" or "all"; `None` where there are none.
+    /// The places where refinement interpolates them linearly: "none", "corners-only", "corners-plus-1", "corners-plus-2",
+    /// "boundaries" or "all"; `None` if there are none.
     pub texcoords_linear: Option<&'static str>,
 }
 
@@ -84,9 +84,9 @@ pub struct CageFacts {
 pub struct SharpnessFacts {
     /// Their number.
     pub count: u64,
-    /// Those that are infinitely sharp.
+    /// The number of infinitely sharp elements.
     pub infinite: u64,
-    /// The least and the greatest finite sharpness; `None` where there is none.
+    /// The least and the greatest finite sharpness; `None` if there is none.
     pub range: Option<[f64; 2]>,
 }
 
@@ -140,7 +140,7 @@ impl CageFacts {
     }
 
     fn count_edges(&mut self, cage: &Cage) {
-        // The lower vertex first, and the direction in which a face runs along the edge.
+        // Each edge with the lower vertex first, and whether the face runs along it in that direction.
         let mut halves: Vec<([u32; 2], bool)> = Vec::new();
         for face in cage.faces() {
             for (k, &a) in face.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! `Certificate`: what holds of a result whatever the machine and the time, for the report and for the file.
+//! `Certificate`: the facts about a result that do not depend on the machine and the time, for the report and for the file.
 use super::history::gap;
 use super::message_text::message_texts;
 use super::{
@@ -16,7 +16,7 @@ use serde_json::Value;
 
 /// The reproducible facts of a result, independent of the machine and the time.
 ///
-/// Of a result that was made, the last key is its seal: see [`seal_of`].
+/// For a built result, the last key is its seal: see [`seal_of`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(remote = "Self")]
 pub struct Certificate {
@@ -26,17 +26,17 @@ pub struct Certificate {
     pub input: InputFacts,
     /// The frame of all lengths and points.
     pub frame: FrameFacts,
-    /// The budget; `None` where there is none.
+    /// The budget; `None` if there is none.
     pub budget: Option<BudgetFacts>,
-    /// The verb that makes the result.
+    /// The verb that builds the result.
     #[serde(skip)]
     verb: &'static str,
-    /// Where the input comes from.
+    /// The origin of the input.
     #[serde(skip)]
     origin: InputOrigin,
-    /// The bound; `None` where nothing was made.
+    /// The bound; `None` if nothing was built.
     pub bound: Option<BoundFacts>,
-    /// The counts of the output; `None` where nothing was made.
+    /// The counts of the output; `None` if nothing was built.
     pub output: Option<Output>,
     /// The validity of the triangles; `None` for other results.
     pub valid: Option<ValidityFacts>,
@@ -46,13 +46,13 @@ pub struct Certificate {
     /// The repairs, in the order of application; only from `mend`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mended: Vec<RepairFacts>,
-    /// What was combined; only where several shapes were.
+    /// The operands; only if several shapes were combined.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boolean: Option<BooleanFacts>,
-    /// How a mask was smoothed; only where it was.
+    /// The smoothing of a mask; only if it was smoothed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothed: Option<SmoothingFacts>,
-    /// How a cage was refined; only where its polygons are the result.
+    /// The refinement of a cage; only if its polygons are the result.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refined: Option<RefinementFacts>,
     /// The distance grid; only from `bake`.
@@ -64,25 +64,25 @@ pub struct Certificate {
     /// The levels of detail; only from `lod`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub levels: Option<LevelsFacts>,
-    /// The shading cost on a graphics processor; only from a rendering that was asked for it.
+    /// The shading cost on a graphics processor; only from a rendering of that cost.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overshade: Option<OvershadeFacts>,
-    /// The steps from the first input to this result; only of what was made to be written.
+    /// The steps from the first input to this result; only for results that can be written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<HistoryFacts>,
     /// Further notes for the reader, in sentences.
     #[serde(serialize_with = "message_texts")]
     pub notes: Vec<Message>,
-    /// Those of the notes that say why triangles stay which the budget seems to let go: people see them without asking.
+    /// The notes on why triangles are left that the budget seems to allow to remove; front ends show them by default.
     #[serde(skip)]
     pub stayed: Vec<Message>,
-    /// Those of the notes that say what may be wrong with the result: people see them without asking.
+    /// The notes on possible flaws of the result; front ends show them by default.
     #[serde(skip)]
     pub warned: Vec<Message>,
 }
 
 impl Certificate {
-    /// The certificate of an input, before anything is made.
+    /// The certificate of an input, before anything is built.
     #[must_use]
     pub fn from_input(input: &Input) -> Self {
         Self {
@@ -111,20 +111,20 @@ impl Certificate {
         }
     }
 
-    /// Whether vertices became several at one place, which a format without indices of positions cannot hold.
+    /// Whether vertices were copied at one place; a format without indices of positions cannot hold that.
     #[must_use]
     pub fn was_split(&self) -> bool {
         let split = Cure::SplitNonManifold.name();
         self.mended.iter().any(|facts| facts.cure == split && !facts.changes.is_empty())
     }
 
-    /// The same for another verb than `mesh`.
+    /// The certificate for another verb than `mesh`.
     pub(crate) fn by(self, verb: &'static str) -> Self {
         Self { verb, ..self }
     }
 
-    /// Adds the step that made a result to the history of the input: the kind and the format of what was written,
-    /// and the digest of its geometry.
+    /// Adds the step that built a result to the history of the input: the kind and the format of the output, and the digest
+    /// of its geometry.
     pub(crate) fn conclude(&mut self, (kind, format): (&str, Format), geometry: Option<String>) {
         let composed = self.origin.composed.as_ref().filter(|_| self.boolean.is_none());
         let mut step = StepFacts {
@@ -144,11 +144,10 @@ impl Certificate {
         if let Some(broken) = steps.last().and_then(|before| gap(before, &step)) {
             (steps, begins) = (Vec::new(), broken);
         }
-        // Half of what there is room for: the rest is of other facts.
+        // The other half of the room in the file is for other facts.
         let most = most_certificate_bytes(format).map_or(LONGEST, |most| most / 2);
         if n_bytes(&steps) + n_bytes(&step) > most {
-            let reason =
-                "the history is longer than this file holds: it begins at what was read for this step";
+            let reason = "the history is longer than this file holds: it begins at the input of this step";
             self.notes.push(reason.into());
             (steps, begins) = (Vec::new(), HistoryStart::new("long", reason));
             if step.composed.take().is_some() {
@@ -159,24 +158,24 @@ impl Certificate {
         self.history = Some(HistoryFacts::new(begins, steps));
     }
 
-    /// Whether the certificate of the input speaks of what was read, so that its steps may be added to.
+    /// Whether the certificate of the input is for the geometry that was read, so that its history can be continued.
     pub(crate) fn has_earlier_steps(&self) -> bool {
         !self.origin.steps.is_empty() || self.origin.composed.is_some()
     }
 
-    /// What a file holds that has a bound of its own, as a level of detail has: the same history up to the input.
+    /// The history for a part of a file that has a bound of its own, as a level of detail: the same history up to the input.
     pub(crate) fn history_to(
         &self,
         bound: &BoundFacts,
         written: (&str, Format),
         geometry: Option<String>,
     ) -> Option<HistoryFacts> {
-        let mut own = Self { bound: Some(bound.clone()), ..self.clone() };
-        own.conclude(written, geometry);
-        own.history
+        let mut part_certificate = Self { bound: Some(bound.clone()), ..self.clone() };
+        part_certificate.conclude(written, geometry);
+        part_certificate.history
     }
 
-    /// As JSON, with its keys in order.
+    /// The certificate as JSON, with its keys in order.
     #[must_use]
     pub fn to_value(&self) -> Value {
         to_value(self)
@@ -194,12 +193,12 @@ impl Serialize for Certificate {
     }
 }
 
-/// The bytes that facts take as JSON.
+/// The number of bytes of facts as JSON.
 fn n_bytes(facts: &impl Serialize) -> usize {
     serde_json::to_string(facts).map_or(usize::MAX / 2, |text| text.len())
 }
 
-/// The most bytes of a history, where a format has no limit. Chosen: some ten thousand places.
+/// The most bytes of a history if a format has no limit. Chosen: enough for some ten thousand places.
 const LONGEST: usize = 4 << 20;
 
 /// A certificate without its seal.
@@ -219,7 +218,7 @@ struct Sealed<'a> {
     seal: String,
 }
 
-/// What is said of polygons that another program may cut otherwise: whoever reads the bound has to know what it is against.
+/// A note on polygons that another program may cut differently: the bound is against the triangles of this cut.
 fn bent_polygons(input: &Input) -> impl Iterator<Item = Message> {
     input.warnings.iter().filter(|warning| warning.code == BENT_POLYGONS).map(|warning| {
         let n = warning.count;
@@ -228,13 +227,13 @@ fn bent_polygons(input: &Input) -> impl Iterator<Item = Message> {
     })
 }
 
-/// The note on the assumed region, where a format does not state the region of its field.
+/// The note on the assumed region, if a format does not state the region of its field.
 fn assumed_region(input: &Input) -> Option<Message> {
     let Shape::Field(implicit) = &input.shape else { return None };
     let assumed = input.format == Format::Vm && implicit.region == Some(chordal_io::vm::REGION);
     assumed.then(|| {
-        Message::from("an op list says no size: it is looked at from -1 to 1 along each axis; ")
+        Message::from("an op list has no size: it is taken from -1 to 1 along each axis; ")
             .setting(Setting::Region)
-            .words(" says otherwise")
+            .words(" sets another region")
     })
 }

@@ -31,7 +31,7 @@ pub struct OneSidedFacts {
     pub at_least: f64,
     /// No point is farther than this.
     pub at_most: f64,
-    /// The farthest point that was found.
+    /// The farthest point that was evaluated.
     pub from: [f64; 3],
     /// The nearest point of the other shape to it.
     pub to: [f64; 3],

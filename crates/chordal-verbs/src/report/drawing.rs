@@ -25,11 +25,12 @@ pub struct DrawingFacts {
     pub joins: JoinCounts,
     /// The total length of all curves: an estimate by quadrature, without a bound.
     pub length_estimate: f64,
-    /// The largest distance from a curve to what the file means, due to rounded numbers.
+    /// The largest distance from a curve to the exact one that the file describes, due to rounded numbers.
     pub slack: f64,
-    /// The view box of the file: lowest x and y, width and height; `None` where it has none.
+    /// The view box of the file: lowest x and y, width and height; `None` if it has none.
     pub view_box: Option<[f64; 4]>,
-    /// The worst joins, at most [`MOST_JOINS`]: kinks by their angle, then others that are not G2 by the jump of the curvature.
+    /// The worst joins, at most [`MOST_JOINS`]: kinks by their angle, then other joins below G2 by the jump of the
+    /// curvature.
     pub worst: Vec<PathJoinFacts>,
 }
 
@@ -38,7 +39,7 @@ pub struct DrawingFacts {
 pub struct PieceCounts {
     /// Straight lines.
     pub lines: u64,
-    /// Cubic Bézier curves; quadratic ones too.
+    /// Cubic Bézier curves, including quadratic ones.
     pub cubics: u64,
     /// Arcs of ellipses.
     pub arcs: u64,
@@ -46,7 +47,7 @@ pub struct PieceCounts {
     pub rational: u64,
 }
 
-/// Joins by apparent smoothness, and by the derivatives where the parameter of each piece runs from 0 to 1.
+/// Joins by apparent smoothness, and by the derivatives if the parameter of each piece runs from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct JoinCounts {
     /// The direction jumps: a kink.
@@ -68,7 +69,7 @@ pub struct JoinCounts {
 pub struct PathJoinFacts {
     /// The index of the element among those drawn.
     pub element: u64,
-    /// What the element is, as in "path".
+    /// The kind of the element, as in "path".
     pub kind: &'static str,
     /// Its name in the file, or empty.
     pub name: String,
@@ -78,19 +79,19 @@ pub struct PathJoinFacts {
     pub piece: u64,
     /// The point.
     pub at: [f64; 3],
-    /// The turning angle; `None` where a piece has no direction because it is a point.
+    /// The turning angle; `None` if a piece has no direction because it is a point.
     pub angle_deg: Option<f64>,
     /// The class Gn, 0 or 1.
     pub geometric: u8,
     /// The class Cn.
     pub parametric: u8,
-    /// The curvatures before and after, one over the radius; `None` where a first derivative is zero.
+    /// The curvatures before and after, one over the radius; `None` if a first derivative is zero.
     pub curvatures: [Option<f64>; 2],
-    /// The length of the difference of the curvature vectors; `None` where one is missing.
+    /// The length of the difference of the curvature vectors; `None` if one is missing.
     pub curvature_gap: Option<f64>,
 }
 
-/// The most joins that are listed.
+/// The most joins that are listed. Chosen: a report stays readable.
 const MOST_JOINS: usize = 32;
 
 impl DrawingFacts {
@@ -110,7 +111,7 @@ impl DrawingFacts {
                 facts.add_join(&join, index, drawn.element_of(index));
             }
         }
-        // Stable, so that joins that are as bad stay in order.
+        // Stable, so that equally bad joins stay in order.
         facts.worst.sort_by(worst_first);
         facts.worst.truncate(MOST_JOINS);
         facts
@@ -132,12 +133,12 @@ impl DrawingFacts {
     }
 
     fn add_join<const D: usize>(&mut self, join: &Join<D>, subpath: usize, element: Option<&DrawingElement>) {
-        // The pieces of a path meet to the bit.
-        let (seen, run) = (join.geometric.unwrap_or(0), join.parametric.unwrap_or(0));
+        // Positions are always continuous: the pieces of a path meet to the bit.
+        let (geometric, parametric) = (join.geometric.unwrap_or(0), join.parametric.unwrap_or(0));
         let joins = &mut self.joins;
-        *[&mut joins.g0, &mut joins.g1, &mut joins.g2][usize::from(seen)] += 1;
-        *[&mut joins.c0, &mut joins.c1, &mut joins.c2][usize::from(run)] += 1;
-        if seen == 2 {
+        *[&mut joins.g0, &mut joins.g1, &mut joins.g2][usize::from(geometric)] += 1;
+        *[&mut joins.c0, &mut joins.c1, &mut joins.c2][usize::from(parametric)] += 1;
+        if geometric == 2 {
             return;
         }
         self.worst.push(PathJoinFacts {
@@ -148,12 +149,12 @@ impl DrawingFacts {
             piece: join.piece as u64,
             at: in_space(join.at),
             angle_deg: join.angle_rad.map(f64::to_degrees),
-            geometric: seen,
-            parametric: run,
+            geometric,
+            parametric,
             curvatures: join.curvatures,
             curvature_gap: join.curvature_gap,
         });
-        // Not more than twice as many are ever held.
+        // Never holds more than twice the limit.
         if self.worst.len() == 2 * MOST_JOINS {
             self.worst.sort_by(worst_first);
             self.worst.truncate(MOST_JOINS);
@@ -161,7 +162,7 @@ impl DrawingFacts {
     }
 }
 
-/// Kinks before others; what has no angle or no curvature first.
+/// Kinks before others; joins without an angle or a curvature first.
 fn worst_first(a: &PathJoinFacts, b: &PathJoinFacts) -> std::cmp::Ordering {
     let badness = |join: &PathJoinFacts| {
         let (angle, gap) = (join.angle_deg, join.curvature_gap);

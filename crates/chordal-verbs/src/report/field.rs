@@ -4,22 +4,22 @@ use chordal::budget::Evidence;
 use chordal::math::Box3;
 use serde::Serialize;
 
-/// What is known of a field.
+/// The facts about a field.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldFacts {
-    /// 2 where the value does not depend on z, else 3.
+    /// 2 if the value does not depend on z, otherwise 3.
     pub dimensions: u32,
     /// The distinct terms of its expression.
     pub terms: u64,
     /// How its value relates to the distance where it is not negative: exact distance, lower bound or sign.
     pub outside: &'static str,
-    /// The same where it is negative.
+    /// How its value relates to the distance where it is negative.
     pub inside: &'static str,
     /// The evidence of proofs about it.
     pub evidence: &'static str,
     /// The unchecked assumptions of that evidence: a sentence each.
     pub assumptions: Vec<String>,
-    /// The lowest and highest coordinates of its known extent; null where it is unknown.
+    /// The lowest and highest coordinates of its known extent; null if unknown.
     pub reach: [[Option<f64>; 3]; 2],
     /// The box that clips it, if there is one.
     pub region: Option<[[f64; 3]; 2]>,
@@ -33,7 +33,7 @@ impl FieldFacts {
         let tape = field.tape();
         let Box3 { min, max } = field.bounds();
         let evidence = field.evidence();
-        let known = |x: f64| x.is_finite().then_some(x);
+        let finite = |x: f64| x.is_finite().then_some(x);
         Self {
             dimensions: if tape.axes()[2] { 3 } else { 2 },
             terms: tape.len() as u64,
@@ -41,7 +41,7 @@ impl FieldFacts {
             inside: field.distance().inside.as_str(),
             evidence: evidence.as_str(),
             assumptions: if let Evidence::ProvedIf(sentences) = evidence { sentences } else { Vec::new() },
-            reach: [min.map(known), max.map(known)],
+            reach: [min.map(finite), max.map(finite)],
             region: implicit.region.map(|region| [region.min, region.max]),
             parameters: implicit.parameters.clone(),
         }

@@ -1,4 +1,4 @@
-//! `FindingFacts`: what was found, what it means and what repairs it.
+//! `FindingFacts`: a defect, its meaning, and its repairs.
 use super::surface::SurfaceFacts;
 use super::validity::ValidityFacts;
 use super::{message_option, message_text, message_texts};
@@ -14,49 +14,49 @@ pub struct FindingFacts {
     pub of: &'static str,
     /// How often it occurs.
     pub count: u64,
-    /// "fault" where the surface is invalid, "remark" where its triangles could be better.
+    /// "fault" if the surface is invalid, "remark" if its triangles could be better.
     pub weight: &'static str,
     /// Its name in words, singular or plural.
     pub words: &'static str,
     /// Its meaning, as half a sentence.
     #[serde(serialize_with = "message_text")]
     pub means: Message,
-    /// The repairs, in this order; empty where there is none.
+    /// The repairs, in this order; empty if there is none.
     #[serde(skip)]
     pub cures: Vec<Cure>,
-    /// The same as settings of `mend`, which readers of a report call.
+    /// The repairs as settings of `mend`, for readers of a report.
     #[serde(rename = "cures", serialize_with = "message_texts")]
     pub options: Vec<Message>,
-    /// What to do where nothing repairs it.
+    /// The advice if nothing repairs it.
     #[serde(serialize_with = "message_option")]
     pub advice: Option<Message>,
 }
 
 impl FindingFacts {
-    /// All defects that were found, the most severe first. Empty where there are no triangles, which a set of
-    /// points does not need.
+    /// All defects that were found, the most severe first. Empty if there are no triangles, since a set of points needs
+    /// none.
     #[must_use]
     pub fn list(valid: &ValidityFacts) -> Vec<Self> {
         if !valid.has_triangles() {
             return Vec::new();
         }
-        let told = |defect: &Defect| {
+        let finding_of = |defect: &Defect| {
             let count = valid.count(*defect).filter(|count| *count > 0)?;
-            // Where all are collapsed, that says it better.
+            // If all of them are collapsed, that finding is more precise.
             let covered = *defect == Defect::ZeroAreaFaces && count == valid.counts.collapsed_faces;
             (!covered).then(|| Self::new(*defect, count, valid))
         };
-        let mut all: Vec<Self> = Defect::ALL.iter().filter_map(told).collect();
+        let mut findings: Vec<Self> = Defect::ALL.iter().filter_map(finding_of).collect();
         let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
-        add_consequences(&mut all, tried.map_or(&[], Vec::as_slice));
-        for finding in &mut all {
+        add_consequences(&mut findings, tried.map_or(&[], Vec::as_slice));
+        for finding in &mut findings {
             let option = |cure: &Cure| Message::default().setting(Setting::Cure(*cure));
             finding.options = finding.cures.iter().map(option).collect();
         }
-        all
+        findings
     }
 
-    /// Whether any defect was found that a repair exists for.
+    /// Whether any defect was found for which a repair exists.
     pub(super) fn has_repairable(valid: &ValidityFacts, anatomy: &SurfaceFacts) -> bool {
         let is_met = |defect: &&Defect| match defect {
             Defect::InsideOut => anatomy.inside_out > 0,
@@ -74,7 +74,7 @@ impl FindingFacts {
             count,
             weight: if defect.severity() == Severity::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
-            // A repair with a side effect says so where it is named.
+            // The meaning mentions the side effect of a repair.
             means: if let (Defect::BoundaryEdges, Some(seams)) = (defect, seams) {
                 seams.meaning()
             } else if cures.contains(&Cure::FillHoles) {
@@ -92,16 +92,16 @@ impl FindingFacts {
 /// The meaning of a boundary that can be filled.
 fn may_cross() -> Message {
     Message::from("the surface ends there, so that it has no inside; ")
-        .words("what fills it may cross the surface, which `inspect ")
+        .words("the filling may cross the surface, which `inspect ")
         .setting(Setting::SelfIntersections)
-        .words("` tells afterwards")
+        .words("` shows afterwards")
 }
 
 /// The repairs of a defect that help.
 fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<Cure> {
     let (counts, other) = (&valid.counts, &valid.other.counts);
     let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
-    // Equal points may keep sheets apart that would branch, touch or disagree: welding must not undo a split.
+    // Equal points may keep sheets apart that would branch, touch or disagree: then welding would undo a split.
     let sound = other.non_manifold_edges <= counts.non_manifold_edges
         && other.non_manifold_vertices <= counts.non_manifold_vertices
         && other.duplicate_faces <= counts.duplicate_faces
@@ -122,19 +122,19 @@ fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<Cure> {
     defect.cures().iter().copied().filter(|cure| helps(*cure) && was_tried(cure)).collect()
 }
 
-/// Adds repairs for defects that other repairs expose: a filled hole has an outside to be oriented by, a
-/// dropped face leaves vertices.
-fn add_consequences(all: &mut [FindingFacts], tried: &[Cure]) {
+/// Adds repairs for defects that other repairs expose: a filled hole has an outside for orientation, a dropped face leaves
+/// vertices.
+fn add_consequences(findings: &mut [FindingFacts], tried: &[Cure]) {
     for cure in tried {
-        if all.iter().any(|finding| finding.cures.contains(cure)) {
+        if findings.iter().any(|finding| finding.cures.contains(cure)) {
             continue;
         }
         let fills = |finding: &FindingFacts| finding.cures.contains(&Cure::FillHoles);
-        let filled = all.iter().position(|finding| *cure == Cure::Orient && fills(finding));
-        let cause = filled.or_else(|| all.iter().position(|finding| !finding.cures.is_empty()));
-        if let Some(finding) = cause.or((!all.is_empty()).then_some(0)) {
-            all[finding].cures.push(*cure);
-            all[finding].cures.sort_unstable();
+        let filled = findings.iter().position(|finding| *cure == Cure::Orient && fills(finding));
+        let cause = filled.or_else(|| findings.iter().position(|finding| !finding.cures.is_empty()));
+        if let Some(finding) = cause.or((!findings.is_empty()).then_some(0)) {
+            findings[finding].cures.push(*cure);
+            findings[finding].cures.sort_unstable();
         }
     }
 }
@@ -164,7 +164,7 @@ pub fn cures_of_all(findings: &[FindingFacts]) -> Vec<Cure> {
 }
 
 impl ValidityFacts {
-    /// Where repairs are needed, stores those that helped when they were tried.
+    /// If repairs are needed, stores the repairs that helped when they were tried.
     pub(crate) fn prescribe(&mut self, recommend: impl FnOnce() -> Option<Vec<Cure>>) {
         if self.anatomy.as_ref().is_some_and(|anatomy| FindingFacts::has_repairable(self, anatomy)) {
             let prescribed = recommend();

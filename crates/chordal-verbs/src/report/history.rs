@@ -4,27 +4,27 @@ use crate::placements::{IDENTITY, Matrix4, largest_stretch, smallest_stretch};
 use chordal::budget::{Bound, Evidence, Metric, Reference};
 use serde::{Deserialize, Serialize};
 
-/// The steps by which a result came about, as far back as the certificates of the inputs prove it.
+/// The steps that led to a result, as far back as the certificates of the inputs prove them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HistoryFacts {
     /// Why there is no earlier step.
     pub begins: HistoryStart,
-    /// The steps, the last of which made this result.
+    /// The steps, the last of which built this result.
     pub steps: Vec<StepFacts>,
-    /// The sum of the bounds of all steps: from the first input to this result; `None` where a step has none.
+    /// The sum of the bounds of all steps: from the first input to this result; `None` if a step has no bound.
     pub total: Option<StepBound>,
 }
 
-/// Why a history begins where it does.
+/// The reason why a history does not go back further.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HistoryStart {
-    /// "no-certificate" for an input of others; else why what the certificate of the input says does not add up with
-    /// this step: "unreadable", "no-history", "seal", "geometry", "unit", "kind", "surface", "bound", "several-inputs"; and
-    /// "composed" where the inputs of the first step have histories of their own, "long" where these go too far back.
+    /// "no-certificate" for an input from another program. Or the reason why the certificate of the input does not fit this
+    /// step: "unreadable", "no-history", "seal", "geometry", "unit", "kind", "surface", "bound", "several-inputs". Or
+    /// "composed" if the inputs of the first step have histories of their own, "long" if these go too far back.
     pub code: String,
-    /// The same in one sentence.
+    /// The reason in one sentence.
     pub reason: String,
 }
 
@@ -42,14 +42,14 @@ pub struct StepFacts {
     pub verb: String,
     /// The version of Chordal.
     pub version: String,
-    /// What it read: one file, or several that were combined.
+    /// The files that it read: one, or several that were combined.
     pub inputs: Vec<StepInput>,
-    /// Where the inputs stand in what it made a result of, where they were moved, turned, scaled or put next to each other.
+    /// The places of the inputs, if they were moved, rotated, scaled or put next to each other before the step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub composed: Option<ComposedFacts>,
-    /// What it wrote.
+    /// The file that it wrote.
     pub output: StepOutput,
-    /// How far the output is from the input; `None` where nothing is known of that.
+    /// The bound of the output against the input; `None` if nothing is known of it.
     pub bound: Option<StepBound>,
 }
 
@@ -61,32 +61,32 @@ pub struct StepInput {
     pub kind: String,
     /// The format.
     pub format: String,
-    /// The SHA-256 of the bytes; of what never was a file that of its geometry or formula, `None` where that has none.
+    /// The SHA-256 of the bytes; for a shape that was never a file, of its geometry or formula, `None` if it has no digest.
     pub sha256: Option<String>,
     /// The SHA-256 of the bytes of the files beside it that were read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
 }
 
-/// Triangles that are put together: the inputs of a step, each where maps take it, and how each came about.
+/// Triangles that are put together: the inputs of a step, each moved by maps, with their histories.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComposedFacts {
     /// The history of each input.
     pub origins: Vec<HistoryFacts>,
-    /// Where they stand, in the order of their triangles.
+    /// The places of the inputs, in the order of their triangles.
     pub places: Vec<PlaceFacts>,
-    /// The triangles of which the step made its result are no farther than this from where exact numbers would take them.
+    /// The largest distance of the triangles that the step read from their exact places.
     pub rounding: f64,
 }
 
-/// Where an input stands.
+/// The place of an input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceFacts {
     /// The index of the input.
     pub input: usize,
-    /// The affine map that takes it there: the first three rows of its matrix, row by row; `None` where it is as it was.
+    /// The affine map of the input: the first three rows of its matrix, row by row; `None` if it is not moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<[f64; 12]>,
 }
@@ -108,35 +108,36 @@ impl PlaceFacts {
 }
 
 impl ComposedFacts {
-    /// How far all of it is from what the inputs were made of, where maps take that; `None` where nothing is known of one.
+    /// The bound of all of it against the first shapes of the inputs, moved by the maps; `None` if an input has no bound.
     pub(crate) fn bound(&self) -> Option<Bound> {
-        let known: Vec<Option<Bound>> = self.origins.iter().map(HistoryFacts::bound_of_input).collect();
-        let mut all: Option<Bound> = None;
+        let input_bounds: Vec<Option<Bound>> =
+            self.origins.iter().map(HistoryFacts::bound_of_input).collect();
+        let mut total: Option<Bound> = None;
         for place in &self.places {
-            let own = known
+            let placed = input_bounds
                 .get(place.input)?
                 .as_ref()?
                 .stretched(smallest_stretch(&place.matrix()), place.longest());
-            all = Some(all.map_or(own.clone(), |all| all.beside(&own)));
+            total = Some(total.map_or(placed.clone(), |total| total.beside(&placed)));
         }
-        let all = all.unwrap_or(Bound::exact(Reference::InputTriangles));
+        let total = total.unwrap_or(Bound::exact(Reference::InputTriangles));
         let is_length = self.rounding >= 0.0 && self.rounding.is_finite();
-        is_length.then(|| all.moved_by(self.rounding))
+        is_length.then(|| total.moved_by(self.rounding))
     }
 
-    /// Why the histories of the inputs do not hold together, if they do not.
+    /// The contradiction in the histories of the inputs, if there is one.
     fn flaw(&self, n_inputs: usize) -> Option<String> {
         if self.origins.len() != n_inputs || self.places.iter().any(|place| place.input >= n_inputs) {
-            return Some("what was put together is not what was read".to_owned());
+            return Some("the composition does not match the inputs of the step".to_owned());
         }
         if !(self.rounding >= 0.0 && self.rounding.is_finite()) {
-            return Some("what is said to be rounded is no length".to_owned());
+            return Some("the stated rounding is not a length".to_owned());
         }
         self.origins.iter().find_map(HistoryFacts::flaw)
     }
 }
 
-/// What a step wrote.
+/// The file that a step wrote.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepOutput {
@@ -144,7 +145,7 @@ pub struct StepOutput {
     pub kind: String,
     /// The format.
     pub format: String,
-    /// The digest of its geometry in the frame of the certificate; `None` where the format does not hold all of it.
+    /// The digest of its geometry in the frame of the certificate; `None` if the format does not hold all of it.
     pub geometry: Option<String>,
 }
 
@@ -189,7 +190,7 @@ impl StepBound {
         }
     }
 
-    /// The bound that it says, where it is one: a file may say anything.
+    /// The bound in these facts, if they are valid: a file may contain anything.
     #[must_use]
     pub fn bound(&self) -> Option<Bound> {
         let evidence = match (&self.evidence[..], &self.assumptions[..], self.samples) {
@@ -233,8 +234,8 @@ impl HistoryFacts {
         Self { begins, steps, total }
     }
 
-    /// Why it does not hold together, whatever the files are: a step that does not go on from the one before it, or a sum that
-    /// is another one.
+    /// The contradiction in the history itself, whatever the files are, if there is one: a step that does not continue the
+    /// one before it, or a wrong sum.
     pub(crate) fn flaw(&self) -> Option<String> {
         if let Some(broken) = self.steps.windows(2).find_map(|pair| gap(&pair[0], &pair[1])) {
             return Some(broken.reason);
@@ -245,30 +246,29 @@ impl HistoryFacts {
         if let Some(flaw) = first.composed.as_ref().and_then(|composed| composed.flaw(first.inputs.len())) {
             return Some(flaw);
         }
-        (self.total != sum(&self.steps))
-            .then(|| "the sum of the bounds of the steps is another one".to_owned())
+        (self.total != sum(&self.steps)).then(|| "the sum of the bounds of the steps is different".to_owned())
     }
 
-    /// All inputs that it names, with those of the histories in it.
+    /// All inputs in the history, including those of nested histories.
     pub(crate) fn inputs(&self) -> Vec<&StepInput> {
-        let mut found = Vec::new();
+        let mut inputs = Vec::new();
         let mut open = vec![self];
         while let Some(history) = open.pop() {
             for step in &history.steps {
-                found.extend(&step.inputs);
+                inputs.extend(&step.inputs);
                 open.extend(step.composed.iter().flat_map(|composed| &composed.origins));
             }
         }
-        found
+        inputs
     }
 
-    /// How many histories are within each other, this one included.
+    /// The depth of nested histories, this one included.
     pub(crate) fn depth(&self) -> usize {
-        let within = self.steps.iter().filter_map(|step| step.composed.as_ref());
-        1 + within.flat_map(|composed| &composed.origins).map(Self::depth).max().unwrap_or(0)
+        let composed_steps = self.steps.iter().filter_map(|step| step.composed.as_ref());
+        1 + composed_steps.flat_map(|composed| &composed.origins).map(Self::depth).max().unwrap_or(0)
     }
 
-    /// How far an input is from what it was made of: without steps it is the truth itself.
+    /// The bound of an input against its first shape: without steps it is that shape itself.
     fn bound_of_input(&self) -> Option<Bound> {
         match &self.total {
             Some(total) => total.bound(),
@@ -277,7 +277,7 @@ impl HistoryFacts {
     }
 }
 
-/// The sum of the bounds of steps that chain: the upper ends add, and the weakest evidence stays.
+/// The sum of the bounds of successive steps: the upper ends add up, and the weakest evidence stays.
 pub(crate) fn sum(steps: &[StepFacts]) -> Option<StepBound> {
     let mut total = match steps.first()?.composed.as_ref() {
         Some(composed) => Some(composed.bound()?),
@@ -290,18 +290,23 @@ pub(crate) fn sum(steps: &[StepFacts]) -> Option<StepBound> {
     total.map(|total| StepBound::new(&total))
 }
 
-/// Why a step does not chain with the one before it, whatever the files are; `None` where it does.
+/// The reason why a step does not continue the one before it, whatever the files are; `None` if it does.
 pub(crate) fn gap(before: &StepFacts, next: &StepFacts) -> Option<HistoryStart> {
     if next.composed.is_some() {
-        let reason =
-            format!("{} read what was composed of parts, which have histories of their own", next.verb);
+        let reason = format!(
+            "{} read triangles that were composed of parts, which have histories of their own",
+            next.verb
+        );
         return Some(HistoryStart::new("composed", reason));
     }
     let [input] = &next.inputs[..] else {
         let n = next.inputs.len();
         return Some(HistoryStart::new(
             "several-inputs",
-            format!("{} combined {n} inputs, and no bound of one of them is one of the result", next.verb),
+            format!(
+                "{} combined {n} inputs, and a bound of one of them is not a bound of the result",
+                next.verb
+            ),
         ));
     };
     if input.kind != before.output.kind {
@@ -313,7 +318,7 @@ pub(crate) fn gap(before: &StepFacts, next: &StepFacts) -> Option<HistoryStart> 
     }
     let chains = match (&input.kind[..], next.bound.as_ref().map(|bound| &bound.reference[..])) {
         ("triangles", Some("input triangles")) | ("volume", Some("trilinear interpolant")) => true,
-        // What outlines enclose may change by more than the outlines do.
+        // The region inside of outlines may change by more than the outlines.
         ("drawing" | "curves", Some("curves")) => next.output.kind == input.kind,
         (_, None) => true,
         _ => false,
@@ -355,7 +360,7 @@ mod tests {
         assert!(total.at_most >= Some(0.1 + 0.2) && total.at_most < Some(0.300_001));
         assert_eq!((&total.reference[..], &total.evidence[..]), ("field", "proved"));
         assert!(gap(&steps[0], &steps[1]).is_none());
-        // A bound against a field says nothing of triangles.
+        // A bound against a field does not continue one of triangles.
         assert_eq!(gap(&steps[1], &steps[0]).unwrap().code, "bound");
     }
 

@@ -1,4 +1,4 @@
-//! What the report says of the input: its kind and format, the oddities of its file, its frame.
+//! The input in the report: its kind and format, the irregularities of its file, its frame.
 use super::StepInput;
 use super::message_text::message_text;
 use crate::{Input, InputFile};
@@ -15,13 +15,13 @@ pub struct InputFacts {
     pub kind: &'static str,
     /// The format of the bytes.
     pub format: String,
-    /// What the font has set; only where the input is one.
+    /// The text that was set; only if the input is a font.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub letters: Option<LettersFacts>,
-    /// The SHA-256 of the bytes, in hexadecimal; of what never was a file that of its geometry or formula, `None` where
-    /// that has none.
+    /// The SHA-256 of the bytes, in hexadecimal; for a shape that was never a file, of its geometry or formula, `None` if
+    /// it has no digest.
     pub sha256: Option<String>,
-    /// The files beside it that were read, in the order of reading; only where there are some.
+    /// The files beside it that were read, in the order of reading; only if there are any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<InputFileFacts>,
     /// Irregularities in the bytes.
@@ -40,7 +40,7 @@ impl InputFacts {
         }
     }
 
-    /// The same for the history of a result.
+    /// The facts of the input for the history of a result.
     pub(crate) fn of_step(&self) -> StepInput {
         StepInput {
             kind: self.kind.to_owned(),
@@ -51,14 +51,14 @@ impl InputFacts {
     }
 }
 
-/// What a font has set.
+/// The text that a font has set.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LettersFacts {
     /// The text.
     pub text: String,
     /// The length of the em.
     pub em: f64,
-    /// Where the font's axes are, as far as they were given.
+    /// The positions on the font's axes, as far as they were given.
     pub axes: BTreeMap<String, f64>,
 }
 
@@ -111,9 +111,9 @@ impl WarningFacts {
 /// The frame of lengths and points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrameFacts {
-    /// The up axis, "y" or "z", where it is known.
+    /// The up axis, "y" or "z", if it is known.
     pub up: Option<&'static str>,
-    /// The length of one unit in metres, where it is known.
+    /// The length of one unit in metres, if it is known.
     pub metres_per_unit: Option<f64>,
 }
 

@@ -25,13 +25,13 @@ pub struct Inspection {
     pub bounds: Option<[[f64; 3]; 2]>,
     /// The number of patches; `None` for other shapes.
     pub patches: Option<u64>,
-    /// How the patches meet; absent for other shapes.
+    /// The smoothness at the edges between patches; absent for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub edges: Option<SurfaceEdgeFacts>,
     /// The number of NURBS surfaces; absent for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surfaces: Option<u64>,
-    /// How smooth these are across their knots, and how they meet; absent for other shapes.
+    /// The smoothness of NURBS surfaces across their knots and common edges; absent for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface_edges: Option<NurbsEdgeFacts>,
     /// The parts of a scene; `None` for other shapes.
@@ -50,7 +50,7 @@ pub struct Inspection {
     pub sizes: Option<GeometrySizes>,
     /// The defects of the triangles, the most severe first; `None` for other shapes.
     pub findings: Option<Vec<FindingFacts>>,
-    /// The certificate embedded in the file, and whether it still fits; `None` where there is none.
+    /// The certificate embedded in the file, and whether it still fits; `None` if there is none.
     pub found: Option<EmbeddedCertificate>,
 }
 
@@ -64,12 +64,12 @@ pub struct PartFacts {
     pub counts: TriangleFacts,
     /// The number of its placements in the scene.
     pub instances: u64,
-    /// The triangles that are drawn of it: all of them at each placement.
+    /// The triangles that are drawn for it: all of them at each placement.
     pub drawn: u64,
 }
 
-/// Bytes of positions and indices, without attributes: three single-precision numbers a position, and indices
-/// of 16 bits while they fit, else of 32.
+/// Bytes of positions and indices, without attributes: three single-precision numbers a position, and indices of 16 bits if
+/// they fit, otherwise of 32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct GeometrySizes {
     /// With shared vertices and indexed triangles; in a file without indices, equal corners are one vertex.
@@ -83,7 +83,7 @@ pub struct GeometrySizes {
     pub acmr_ordered: f64,
 }
 
-/// The vertices of the simulated cache: few enough for any graphics processor.
+/// The vertices of the simulated cache. Chosen: few enough for any graphics processor.
 const CACHE: u32 = 16;
 
 /// A certificate that was found in a file.
@@ -219,14 +219,14 @@ impl GeometrySizes {
             misses += cache_misses(faces, CACHE);
             misses_ordered += cache_misses(&ordered, CACHE);
         }
-        let each = |misses: u64| if n_faces == 0 { 0.0 } else { misses as f64 / n_faces as f64 };
-        (sizes.acmr, sizes.acmr_ordered) = (each(misses), each(misses_ordered));
+        let ratio = |misses: u64| if n_faces == 0 { 0.0 } else { misses as f64 / n_faces as f64 };
+        (sizes.acmr, sizes.acmr_ordered) = (ratio(misses), ratio(misses_ordered));
         sizes
     }
 }
 
-/// The number of vertices, and the triangles by their rows. Where the file has no indices, equal corners are
-/// one vertex: its rows, one for each corner of each triangle, imply no order or size.
+/// The number of vertices, and the triangles by their rows. If the file has no indices, equal corners are one vertex: its
+/// rows, one for each corner of each triangle, imply no order or size.
 fn rows(mesh: &Mesh, format: Format) -> (usize, Cow<'_, [[u32; 3]]>) {
     if format.vertex_rows() != VertexRows::Soup {
         return (mesh.positions().len(), mesh.faces().into());
@@ -239,13 +239,13 @@ fn rows(mesh: &Mesh, format: Format) -> (usize, Cow<'_, [[u32; 3]]>) {
 
 impl EmbeddedCertificate {
     fn new(certificate: Value, counted: &Certificate) -> Self {
-        let counted = [("/output", to_value(&counted.output)), ("/valid", to_value(&counted.valid))];
+        let recounted = [("/output", to_value(&counted.output)), ("/valid", to_value(&counted.valid))];
         let mut differs = Vec::new();
-        for (at, counted) in counted {
-            let said = certificate.pointer(at).and_then(Value::as_object);
-            for (key, value) in said.into_iter().flatten() {
-                let plain = !(value.is_object() || value.is_array());
-                if plain && counted.get(key).is_some_and(|counted| counted != value) {
+        for (at, actual) in recounted {
+            let stated = certificate.pointer(at).and_then(Value::as_object);
+            for (key, value) in stated.into_iter().flatten() {
+                let is_plain = !(value.is_object() || value.is_array());
+                if is_plain && actual.get(key).is_some_and(|actual| actual != value) {
                     differs.push(format!("{at}/{key}"));
                 }
             }

@@ -7,9 +7,9 @@ use serde::Serialize;
 pub struct LevelsFacts {
     /// The largest error on the screen, in pixels.
     pub pixels: f64,
-    /// The screen and the lens that distances are for; its distance is that of the finest level.
+    /// The screen and the lens for which distances hold; its distance is that of the finest level.
     pub view: ViewFacts,
-    /// The hysteresis: how much farther out than its own distance a coarser level takes over.
+    /// The hysteresis: the factor on a coarser level's own distance from which on it takes over.
     pub hysteresis: f64,
     /// The levels, the finest first.
     pub levels: Vec<LevelFacts>,
@@ -17,7 +17,7 @@ pub struct LevelsFacts {
     pub shown: Vec<LevelChoiceFacts>,
 }
 
-/// One level of the whole shape.
+/// One level of the shape.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LevelFacts {
     /// Its triangles.
@@ -28,17 +28,16 @@ pub struct LevelFacts {
     pub at_least: f64,
     /// Its distance from the true shape is at most this.
     pub at_most: f64,
-    /// The evidence: proved, or proved under the assumptions of the bound of the whole.
+    /// The evidence: proved, or proved under the assumptions of the certificate's bound.
     pub evidence: &'static str,
-    /// The distance to the box from which on it may be shown, anywhere on the screen; `None` where no
-    /// distance is far enough.
+    /// The distance to the box from which on it may be shown, anywhere on the screen; `None` if no distance is far enough.
     pub distance: Option<f64>,
     /// The number of its files.
     pub tiles: u64,
-    /// The digest of its geometry; `None` where it is cut in space, into files with a digest each.
+    /// The digest of its geometry; `None` if it is cut in space, into files with a digest each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<String>,
-    /// How far attributes are from those of the input, where they have limits.
+    /// The deviations of attributes from those of the input, if these have limits.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub attributes: Vec<AttributeFacts>,
 }
@@ -46,7 +45,7 @@ pub struct LevelFacts {
 /// The level shown at a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LevelChoiceFacts {
-    /// From the eye to the box.
+    /// The distance from the eye to the box.
     pub distance: f64,
     /// The diagonal of the box on the screen, in pixels.
     pub covers_px: f64,
@@ -54,6 +53,6 @@ pub struct LevelChoiceFacts {
     pub level: usize,
     /// Its triangles.
     pub triangles: u64,
-    /// No point is farther off than this many pixels; `None` where the eye is too close for a bound.
+    /// No point is farther off than this many pixels; `None` if the eye is too close for a bound.
     pub pixels: Option<f64>,
 }

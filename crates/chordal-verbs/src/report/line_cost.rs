@@ -1,17 +1,17 @@
-//! `LineCostFacts`: what a line of a script takes.
+//! `LineCostFacts`: the cost of a line of a script.
 use super::BoundFacts;
 use serde::Serialize;
 
-/// What the shape of a line takes to be meshed by itself.
+/// The cost of meshing the shape of a line by itself.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineCostFacts {
     /// The number of the line, from 1; `None` for the shape of the whole script.
     pub line: Option<u64>,
     /// How often the line ran.
     pub times: u64,
-    /// The triangles of its shape; `None` where it has no mesh.
+    /// The triangles of its shape; `None` if it has no mesh.
     pub triangles: Option<u64>,
-    /// How long that took.
+    /// The time for the mesh.
     pub seconds: f64,
     /// The bound of the mesh.
     pub bound: Option<BoundFacts>,

@@ -77,13 +77,13 @@ use serde_json::Value;
 /// The name of this version of the report. Its meaning never changes; additions get a new number.
 pub const SCHEMA: &str = "chordal.report/1";
 
-/// What a verb did and what is known of the result. A shell has the settings in it spelled before it shows
-/// them; the schema of reports has them as options of the command.
+/// The run of a verb and the facts about the result. A front end spells the settings in it before it shows them; in the
+/// schema of reports they are options of the command.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// The reproducible part: what holds of the result.
+    /// The reproducible part: the facts about the result.
     pub certificate: Certificate,
     /// The description of the input; only from `inspect`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -102,20 +102,20 @@ impl Report {
         Self { schema: SCHEMA, certificate, inspection: None, deviation: None, run }
     }
 
-    /// As JSON, with its keys in order.
+    /// The report as JSON, with its keys in order.
     #[must_use]
     pub fn to_value(&self) -> Value {
         to_value(self)
     }
 }
 
-/// These structs hold numbers, texts and lists with texts as keys, all of which JSON can represent; a number
-/// that is not finite becomes null.
+/// The facts as JSON. These structs hold numbers, texts and lists with texts as keys, all of which JSON can represent; a
+/// number that is not finite becomes null.
 pub(crate) fn to_value(facts: &impl Serialize) -> Value {
     serde_json::to_value(facts).unwrap_or_default()
 }
 
-/// This run of a verb. Front ends fill in what only they know.
+/// This run of a verb. Front ends fill in the fields that only they know.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RunFacts {
     /// The verb.
@@ -135,10 +135,10 @@ pub struct RunFacts {
     pub peak_bytes: Option<u64>,
     /// The number of threads.
     pub threads: Option<u64>,
-    /// Points at which user functions were evaluated; `None` where there is no such function.
+    /// Points at which user functions were evaluated; `None` if there is no such function.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<u64>,
-    /// What each line of a script takes, where that was asked for; the whole is the last.
+    /// The cost of each line of a script, if requested; the whole script is the last entry.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lines: Option<Vec<LineCostFacts>>,
 }

@@ -4,30 +4,30 @@ use chordal::check::surfaces::{EdgeMaximum, NurbsJoin, NurbsLine, nurbs_edges};
 use chordal::explicit::nurbs::TrimmedSurface;
 use serde::Serialize;
 
-/// How smooth NURBS surfaces are across their knots, and how they meet.
+/// The smoothness of NURBS surfaces across their knots and common edges.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NurbsEdgeFacts {
-    /// Lines of inner knots that were looked at.
+    /// Lines of inner knots that were checked.
     pub knot_lines: u64,
-    /// Sides that two surfaces share, or one that closes.
+    /// Sides that two surfaces share, or that one closed surface has twice.
     pub shared: u64,
     /// Sides without neighbour, of surfaces without loops.
     pub boundary: u64,
-    /// Sides that more than one other side runs along.
+    /// Sides with more than one other side along them.
     pub branching: u64,
     /// Sides and lines that are one point.
     pub collapsed: u64,
-    /// Shared sides across which the fronts disagree.
+    /// Shared sides with opposite fronts.
     pub opposed: u64,
     /// Both kinds of lines by apparent smoothness.
     pub geometric: GeometricEdgeCounts,
     /// Both kinds of lines by the derivatives across them.
     pub parametric: ParametricEdgeCounts,
-    /// The worst of both, at most [`MOST_EDGES`], the worst first.
+    /// The worst of both kinds, at most [`MOST_EDGES`], the worst first.
     pub worst: Vec<NurbsJoinFacts>,
 }
 
-/// One line.
+/// One line at which surfaces, or parts of one, meet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NurbsJoinFacts {
     /// The two surfaces, from 0 in the order of the file; the same one twice for its own knots and seams.
@@ -40,13 +40,13 @@ pub struct NurbsJoinFacts {
     pub parametric: Option<u8>,
     /// The largest distance.
     pub position_gap: EdgeMaximumFacts,
-    /// The largest angle between the normals; `None` where there is no tangent plane along the line.
+    /// The largest angle between the normals; `None` if there is no tangent plane along the line.
     pub angle_deg: Option<EdgeMaximumFacts>,
-    /// The largest difference of the curvatures across the line; `None` where there is no first derivative.
+    /// The largest difference of the curvatures across the line; `None` if there is no first derivative.
     pub curvature_gap: Option<EdgeMaximumFacts>,
 }
 
-/// Where a line is.
+/// The place of a line on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NurbsLineFacts {
     /// The parameter that is constant, "u" or "v".
@@ -59,36 +59,36 @@ impl NurbsEdgeFacts {
     /// The facts of all surfaces.
     #[must_use]
     pub fn from_surfaces(surfaces: &[TrimmedSurface]) -> Self {
-        let found = nurbs_edges(surfaces);
+        let edges = nurbs_edges(surfaces);
         let mut facts = Self {
-            knot_lines: found.knot_lines.len() as u64,
-            shared: found.joins.len() as u64,
-            boundary: found.boundary.len() as u64,
-            branching: found.branching.len() as u64,
-            collapsed: found.collapsed.len() as u64,
-            opposed: found.joins.iter().filter(|join| !join.fronts_agree).count() as u64,
+            knot_lines: edges.knot_lines.len() as u64,
+            shared: edges.joins.len() as u64,
+            boundary: edges.boundary.len() as u64,
+            branching: edges.branching.len() as u64,
+            collapsed: edges.collapsed.len() as u64,
+            opposed: edges.joins.iter().filter(|join| !join.fronts_agree).count() as u64,
             ..Self::default()
         };
-        let all: Vec<&NurbsJoin> = found.joins.iter().chain(&found.knot_lines).collect();
-        for join in &all {
+        let joins: Vec<&NurbsJoin> = edges.joins.iter().chain(&edges.knot_lines).collect();
+        for join in &joins {
             facts.geometric.count(join.geometric);
             facts.parametric.count(join.parametric);
         }
-        let mut worst: Vec<&NurbsJoin> = all.into_iter().filter(|join| join.geometric != Some(2)).collect();
-        // Stable, so that lines that are as bad stay in order.
+        let mut worst: Vec<&NurbsJoin> = joins.into_iter().filter(|join| join.geometric != Some(2)).collect();
+        // Stable, so that equally bad lines stay in order.
         worst.sort_by(|a, b| a.geometric.cmp(&b.geometric).then(badness(b).total_cmp(&badness(a))));
         facts.worst = worst.into_iter().take(MOST_EDGES).map(NurbsJoinFacts::new).collect();
         facts
     }
 }
 
-/// What lines of one class are compared by.
+/// The number by which lines of one class are compared.
 fn badness(join: &NurbsJoin) -> f64 {
-    let known = |maximum: Option<EdgeMaximum>| maximum.map_or(f64::INFINITY, |maximum| maximum.value);
+    let value_of = |maximum: Option<EdgeMaximum>| maximum.map_or(f64::INFINITY, |maximum| maximum.value);
     match join.geometric {
         None => join.position_gap.value,
-        Some(0) => known(join.angle_rad),
-        Some(_) => known(join.curvature_gap),
+        Some(0) => value_of(join.angle_rad),
+        Some(_) => value_of(join.curvature_gap),
     }
 }
 

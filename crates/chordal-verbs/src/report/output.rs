@@ -65,8 +65,7 @@ impl PolylineFacts {
         Self { polylines: polylines.len() as u64, points, segments }
     }
 
-    /// The counts of curves that are all straight, as they read back from a file of polylines; `None` for
-    /// others.
+    /// The counts of curves that are all straight, as they read back from a file of polylines; `None` for other curves.
     #[must_use]
     pub fn from_straight_curves<const D: usize>(curves: &[Curve<D>]) -> Option<Self> {
         let mut facts = Self { polylines: curves.len() as u64, ..Self::default() };

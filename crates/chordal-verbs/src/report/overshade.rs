@@ -8,15 +8,15 @@ use serde::Serialize;
 /// The shading cost of a mesh at a view.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OvershadeFacts {
-    /// The camera, as the text of a view that reads back as it.
+    /// The camera, in the syntax of a view.
     pub view: String,
     /// The culled sides: "none", "back" or "front".
     pub culled: &'static str,
     /// Triangles that are on the screen, at least in part, and not culled.
     pub in_view: u64,
-    /// Those that cover no pixel centre.
+    /// Triangles in view that cover no pixel centre.
     pub missed: u64,
-    /// Those whose area on the screen is less than a pixel's.
+    /// Triangles in view with an area on the screen below a pixel's.
     pub micro: u64,
     /// Pixels whose centre at least one triangle covers.
     pub covered_px: u64,
@@ -36,7 +36,7 @@ pub struct OvershadeFacts {
 /// Quads and their lanes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadingFacts {
-    /// Pairs of a triangle and a pixel where it is shaded.
+    /// Pairs of a triangle and a pixel in which it is shaded.
     pub fragments: u64,
     /// Pairs of a triangle and a quad of pixels in which it has a fragment.
     pub quads: u64,
@@ -63,7 +63,7 @@ impl ShadingFacts {
 impl OvershadeFacts {
     /// The facts of a mesh at a camera.
     #[must_use]
-    pub fn new(found: &Overshade, flicker: &Flicker, camera: &Camera, sides: HitSides) -> Self {
+    pub fn new(counts: &Overshade, flicker: &Flicker, camera: &Camera, sides: HitSides) -> Self {
         Self {
             view: View::Camera(*camera).to_string(),
             culled: match sides {
@@ -71,13 +71,13 @@ impl OvershadeFacts {
                 HitSides::Front => "back",
                 HitSides::Back => "front",
             },
-            in_view: found.in_view,
-            missed: found.missed,
-            micro: found.micro,
-            covered_px: found.covered_px,
-            every: ShadingFacts::new(&found.every),
-            visible: ShadingFacts::new(&found.visible),
-            ratio: found.ratio(),
+            in_view: counts.in_view,
+            missed: counts.missed,
+            micro: counts.micro,
+            covered_px: counts.covered_px,
+            every: ShadingFacts::new(&counts.every),
+            visible: ShadingFacts::new(&counts.visible),
+            ratio: counts.ratio(),
             flicker: flicker.rms,
             flicker_px: flicker.n_pixels,
         }

@@ -18,7 +18,7 @@ pub(crate) enum CheckDepth<'a> {
     Deep(&'a chordal::Job),
 }
 
-/// Why triangles could not be counted.
+/// The reason why triangles could not be counted.
 #[derive(Debug)]
 pub(crate) enum CountError {
     /// The scene cannot be expressed in the rows of the format.
@@ -30,13 +30,13 @@ pub(crate) enum CountError {
 /// The validity of one part by one topology.
 #[derive(Clone)]
 pub(super) struct PartCheck {
-    pub found: Validity,
+    pub validity: Validity,
     pub t_junctions: Finding,
     pub duplicate_vertices: Finding,
     pub components: Vec<Component>,
     pub inside_out: Finding,
     pub open_seams: OpenSeams,
-    /// `None` where they were not searched for.
+    /// `None` if they were not searched for.
     pub self_intersections: Option<Finding>,
 }
 
@@ -47,18 +47,18 @@ pub(super) struct TopologyChecks {
 }
 
 impl TopologyChecks {
-    /// Everything that needs no search.
+    /// Checks everything that needs no search.
     pub fn quick(mesh: &Mesh, format: Format) -> Result<Self, WriteError> {
         let mesh = rows_of(mesh, format)?;
-        let Ok(both) = Self::new(&mesh, format.topology(), |_, _| Ok::<(), Infallible>(()));
-        Ok(both)
+        let Ok(checks) = Self::new(&mesh, format.topology(), |_, _| Ok::<(), Infallible>(()));
+        Ok(checks)
     }
 
-    /// The components as well, and self-intersections where requested.
-    pub fn thorough(mesh: &Mesh, format: Format, look: CheckDepth) -> Result<Self, CountError> {
+    /// Checks the components as well, and self-intersections if requested.
+    pub fn thorough(mesh: &Mesh, format: Format, depth: CheckDepth) -> Result<Self, CountError> {
         let mesh = rows_of(mesh, format).map_err(|_| CountError::Unwritten)?;
-        let mut both = Self::new(&mesh, format.topology(), |surface, checked| {
-            checked.components = match look {
+        let mut checks = Self::new(&mesh, format.topology(), |surface, checked| {
+            checked.components = match depth {
                 CheckDepth::Full => surface.components(),
                 CheckDepth::Deep(job) => surface.components_under(job).map_err(CountError::Stopped)?,
             };
@@ -66,19 +66,20 @@ impl TopologyChecks {
             checked.inside_out = inside_out(&mesh, &checked.components);
             Ok(())
         })?;
-        if let CheckDepth::Deep(job) = look {
-            both.own.self_intersections = Some(self_intersections(&mesh, job).map_err(CountError::Stopped)?);
+        if let CheckDepth::Deep(job) = depth {
+            checks.own.self_intersections =
+                Some(self_intersections(&mesh, job).map_err(CountError::Stopped)?);
         }
-        Ok(both)
+        Ok(checks)
     }
 
-    /// `examine` checks the format's own topology in more depth.
+    /// Checks by both topologies; `examine` checks the format's own topology in more depth.
     fn new<E>(
         mesh: &Mesh,
         own: Topology,
         examine: impl Fn(&MeshConnectivity, &mut PartCheck) -> Result<(), E>,
     ) -> Result<Self, E> {
-        let seen = MeshConnectivity::by_indices_and_positions(mesh);
+        let connectivity = MeshConnectivity::by_indices_and_positions(mesh);
         let check = |surface: &MeshConnectivity, topology| {
             let mut checked = PartCheck::from_surface(surface);
             if topology == own {
@@ -86,16 +87,16 @@ impl TopologyChecks {
             }
             Ok(checked)
         };
-        let mut by_indices = check(&seen.by_indices, Topology::Indices)?;
-        by_indices.duplicate_vertices = seen.duplicate_vertices;
-        let by_positions = match &seen.by_positions {
+        let mut by_indices = check(&connectivity.by_indices, Topology::Indices)?;
+        by_indices.duplicate_vertices = connectivity.duplicate_vertices;
+        let by_positions = match &connectivity.by_positions {
             Some(surface) => check(surface, Topology::Positions)?,
-            // The same check, at the cost of `examine` alone.
+            // Both topologies are equal: copies the check, so that only `examine` costs time.
             None => {
                 let mut same = by_indices.clone();
-                same.found.topology = Topology::Positions;
+                same.validity.topology = Topology::Positions;
                 if own == Topology::Positions {
-                    examine(&seen.by_indices, &mut same)?;
+                    examine(&connectivity.by_indices, &mut same)?;
                 }
                 same
             }
@@ -110,7 +111,7 @@ impl TopologyChecks {
 impl PartCheck {
     fn from_surface(surface: &MeshConnectivity) -> Self {
         Self {
-            found: surface.validity(),
+            validity: surface.validity(),
             t_junctions: surface.t_junctions(None),
             duplicate_vertices: Finding::default(),
             components: Vec::new(),
@@ -121,28 +122,28 @@ impl PartCheck {
     }
 
     fn finding(&self, defect: Defect) -> Option<&Finding> {
-        let found = &self.found;
+        let validity = &self.validity;
         match defect {
-            Defect::BoundaryEdges => Some(&found.boundary_edges),
-            Defect::NonManifoldEdges => Some(&found.non_manifold_edges),
-            Defect::NonManifoldVertices => Some(&found.non_manifold_vertices),
+            Defect::BoundaryEdges => Some(&validity.boundary_edges),
+            Defect::NonManifoldEdges => Some(&validity.non_manifold_edges),
+            Defect::NonManifoldVertices => Some(&validity.non_manifold_vertices),
             Defect::TJunctions => Some(&self.t_junctions),
-            Defect::InconsistentEdges => Some(&found.inconsistent_edges),
+            Defect::InconsistentEdges => Some(&validity.inconsistent_edges),
             Defect::InsideOut => Some(&self.inside_out),
             Defect::SelfIntersections => self.self_intersections.as_ref(),
-            Defect::DuplicateFaces => Some(&found.duplicate_faces),
+            Defect::DuplicateFaces => Some(&validity.duplicate_faces),
             Defect::DuplicateVertices => Some(&self.duplicate_vertices),
-            Defect::CollapsedFaces => Some(&found.collapsed_faces),
-            Defect::ZeroAreaFaces => Some(&found.zero_area_faces),
-            Defect::Slivers => Some(&found.slivers),
-            Defect::UnusedVertices => Some(&found.unused_vertices),
+            Defect::CollapsedFaces => Some(&validity.collapsed_faces),
+            Defect::ZeroAreaFaces => Some(&validity.zero_area_faces),
+            Defect::Slivers => Some(&validity.slivers),
+            Defect::UnusedVertices => Some(&validity.unused_vertices),
         }
     }
 
     /// The first witnesses of every defect.
     pub fn witnesses(&self, part: usize) -> Vec<WitnessFacts> {
         let named = Defect::ALL.iter().map(|defect| (defect.name(), self.finding(*defect)));
-        let opposite = ("opposite_faces", Some(&self.found.opposite_faces));
+        let opposite = ("opposite_faces", Some(&self.validity.opposite_faces));
         let mut facts = Vec::new();
         let seams = ("open_seam_vertices", Some(&self.open_seams.vertices));
         for (of, finding) in named.chain([opposite, seams]) {
@@ -154,7 +155,7 @@ impl PartCheck {
     }
 }
 
-/// A witness of the count `of`, in that part.
+/// A witness of the count `of`, in the given part.
 pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
     let (vertices, faces) = rows(&witness.place);
     WitnessFacts { of, part: part as u64, other_part: None, vertices, faces, at: witness.at }
@@ -169,7 +170,7 @@ fn rows(place: &MeshLocation) -> (Vec<u32>, Vec<u32>) {
         MeshLocation::Repeated { face, of } => (Vec::new(), vec![*face, *of]),
         MeshLocation::Faces(faces) => (Vec::new(), faces.to_vec()),
         MeshLocation::OnEdge { vertex, edge, face } => (vec![*vertex, edge[0], edge[1]], vec![*face]),
-        // A kind of witness that is newer than this list has its point and its name.
+        // A kind of witness that is newer than this list keeps its point and its name.
         _ => (Vec::new(), Vec::new()),
     }
 }

@@ -12,9 +12,9 @@ pub struct RepairFacts {
     /// Its length parameter, in the units of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within: Option<f64>,
-    /// What was changed, and what was found and left: names with `left_`.
+    /// The changes, and with names in `left_` the defects that were found and left.
     pub changes: Vec<ChangeFacts>,
-    /// How far this repair alone moved the surface.
+    /// The bound for how far this repair alone moved the surface.
     pub bound: BoundFacts,
 }
 
@@ -25,7 +25,7 @@ pub struct ChangeFacts {
     pub what: &'static str,
     /// How often it occurs.
     pub count: u64,
-    /// The first witnesses, in the rows of the part before this repair; of additions, in those after it.
+    /// The first witnesses, in the rows of the part before this repair; for additions, in the rows after it.
     pub witnesses: Vec<WitnessFacts>,
 }
 
@@ -33,16 +33,16 @@ impl RepairFacts {
     /// Adds the changes of one more part.
     pub(crate) fn add(&mut self, part: usize, mended: &MendedMesh) {
         for change in &mended.changes {
-            let at = self.changes.iter().position(|known| known.what == change.what).unwrap_or_else(|| {
+            let at = self.changes.iter().position(|listed| listed.what == change.what).unwrap_or_else(|| {
                 self.changes.push(ChangeFacts { what: change.what, count: 0, witnesses: Vec::new() });
                 self.changes.len() - 1
             });
-            let known = &mut self.changes[at];
-            known.count += change.finding.count;
-            let room = MAX_WITNESSES - known.witnesses.len();
+            let listed = &mut self.changes[at];
+            listed.count += change.finding.count;
+            let room = MAX_WITNESSES - listed.witnesses.len();
             let facts =
                 change.finding.witnesses.iter().map(|witness| witness_facts(change.what, part, witness));
-            known.witnesses.extend(facts.take(room));
+            listed.witnesses.extend(facts.take(room));
         }
     }
 }

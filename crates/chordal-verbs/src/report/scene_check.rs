@@ -1,5 +1,4 @@
-//! Checks across the parts of a scene in world coordinates: parts that cross or touch, and parts that lie
-//! within others.
+//! Checks across the parts of a scene in world coordinates: parts that cross or touch, and parts that lie within others.
 use super::witness::WitnessFacts;
 use crate::merged_parts::MergedParts;
 use crate::placements::n_places;
@@ -12,31 +11,30 @@ use chordal_io::Scene;
 
 /// The combined check of all placements.
 pub(super) struct SceneCheck {
-    /// Pairs of intersecting triangles of different placements; `None` where the transforms could not be
-    /// applied.
+    /// Pairs of intersecting triangles of different placements; `None` if the transforms could not be applied.
     pub crossing: Option<u64>,
     /// The first of these pairs.
     pub witnesses: Vec<WitnessFacts>,
-    /// Whether everything is wound outward, with parts taken as cavities of those that enclose them; `None`
-    /// where that is undecided.
+    /// Whether everything is wound outward, with parts taken as cavities of parts that enclose them; `None` if that is
+    /// undecided.
     pub outward: Option<bool>,
 }
 
 impl SceneCheck {
-    /// `None` where there is at most one placement, so that the check of each part is complete.
+    /// Returns `None` if there is at most one placement, so that the check of each part is complete.
     pub fn from_scene(scene: &Scene, topology: Topology, job: &Job) -> Result<Option<Self>, JobError> {
         if n_places(scene) < 2 {
             return Ok(None);
         }
-        // Nothing is known of placements whose transforms cannot be applied.
+        // Without applied transforms, nothing is known of the placements.
         let Ok(assembled) = MergedParts::from_scene(scene, topology) else {
             return Ok(Some(Self { crossing: None, witnesses: Vec::new(), outward: None }));
         };
         let place_of = |face| assembled.place_of(face) as u32;
-        let found = intersections_between(&assembled.mesh, place_of, job)?;
+        let crossings = intersections_between(&assembled.mesh, place_of, job)?;
         Ok(Some(Self {
-            crossing: Some(found.count),
-            witnesses: found.witnesses.iter().filter_map(|witness| facts(&assembled, witness)).collect(),
+            crossing: Some(crossings.count),
+            witnesses: crossings.witnesses.iter().filter_map(|witness| facts(&assembled, witness)).collect(),
             outward: outward(
                 &MeshConnectivity::new(&assembled.mesh, Topology::Indices).components_under(job)?,
             ),

@@ -1,4 +1,4 @@
-//! What smoothing a mask cost, in the report.
+//! The effect of smoothing a mask, in the report.
 use chordal::Bound;
 use serde::Serialize;
 
@@ -9,15 +9,15 @@ pub struct SmoothingFacts {
     pub sigma: [f64; 3],
     /// The samples that are inside the unsmoothed shape.
     pub inside: u64,
-    /// The samples that are on another side of the smoothed surface.
+    /// The samples that are on the other side of the smoothed surface.
     pub changed: u64,
-    /// The unsmoothed surface and the smoothed one, before it is simplified, are at least so far apart.
+    /// The distance of the unsmoothed surface and the smoothed one, before it is simplified, is at least this.
     pub at_least: f64,
-    /// They are at most so far apart, in both directions; `None` without an upper bound.
+    /// Their distance is at most this, in both directions; `None` without an upper bound.
     pub at_most: Option<f64>,
-    /// "proved", or what else is known of that.
+    /// The evidence of that: "proved", or another.
     pub evidence: &'static str,
-    /// Where that is more than the budget: a narrower Gaussian that is within it, as it is written.
+    /// If that is more than the budget: a narrower Gaussian that is within it, in the syntax of the option.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fits: Option<String>,
 }

@@ -10,26 +10,25 @@ use chordal::math::greater;
 use chordal_io::Scene;
 use serde::Serialize;
 
-/// What `inspect` reports of triangles beyond the counts.
+/// The facts of `inspect` about triangles, beyond the counts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceFacts {
-    /// Whether every component is wound with its material inside, and cavities with it outside. `None` where
-    /// a component has no inside, or where that is undecided. Parts are taken one by one; where
-    /// self-intersections were searched for, `None` as well where one part lies within another, which may be
-    /// its cavity.
+    /// Whether every component is wound with its material inside, and cavities with it outside. `None` if a component has no
+    /// inside, or if that is undecided. Parts are checked one by one; if self-intersections were searched for, it is also
+    /// `None` if one part lies within another, which may be its cavity.
     pub outward: Option<bool>,
     /// Components that are wound inside out.
     pub inside_out: u64,
-    /// Pairs of intersecting triangles, including those of different placements; `None` where they were not
-    /// searched for, or the transforms cannot be applied.
+    /// Pairs of intersecting triangles, including those of different placements; `None` if they were not searched for, or
+    /// the transforms cannot be applied.
     pub self_intersections: Option<u64>,
-    /// Boundaries that nearly coincide; `None` where there are none.
+    /// Boundaries that nearly coincide; `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub open_seams: Option<OpenSeamFacts>,
     /// The average number of triangles at a position; `None` without triangles.
     pub triangles_per_vertex: Option<f64>,
-    /// Whether no node moves a part. Otherwise all points, areas and volumes here are in the parts' own
-    /// coordinates, which are not those of the scene's box.
+    /// Whether no node moves a part. Otherwise all points, areas and volumes here are in the parts' own coordinates, which
+    /// differ from those of the scene's box.
     pub in_place: bool,
     /// The area of all triangles, each part once.
     pub area: f64,
@@ -37,18 +36,18 @@ pub struct SurfaceFacts {
     pub volume: Option<f64>,
     /// The components with the most triangles, at most [`MOST_COMPONENTS`]; `components` counts all.
     pub component_list: Vec<ComponentFacts>,
-    /// The repairs that helped when tried on these triangles; `None` where none were tried.
+    /// The repairs that helped when tried on these triangles; `None` if none were tried.
     #[serde(skip)]
     pub prescribed: Option<Vec<Cure>>,
 }
 
-/// Boundary vertices that nearly coincide with others, so that the surface looks closed and is not.
+/// Boundary vertices that nearly coincide with others, so that the surface looks closed but is not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OpenSeamFacts {
     /// The vertices, over all parts.
     pub vertices: u64,
-    /// The largest distance of one of them from its nearest: welding within it closes the seams. In the coordinates of
-    /// its part.
+    /// The largest distance of one of them from its nearest neighbour: welding within it closes the seams. In the
+    /// coordinates of its part.
     pub gap: f64,
 }
 
@@ -59,7 +58,7 @@ impl OpenSeamFacts {
         (vertices > 0).then(|| Self { vertices, gap: seams().map(|seams| seams.gap).fold(0.0, greater) })
     }
 
-    /// What they mean, and the tolerance that closes them.
+    /// The meaning of the seams, with the tolerance that closes them.
     pub(super) fn meaning(&self) -> Message {
         // Two digits, rounded up.
         let rounded = |x: f64| format!("{x:.1e}");
@@ -74,7 +73,7 @@ impl OpenSeamFacts {
     }
 }
 
-/// The most components that are listed.
+/// The most components that are listed. Chosen: a report stays readable.
 pub const MOST_COMPONENTS: usize = 32;
 
 /// One component.
@@ -104,15 +103,15 @@ pub struct ComponentFacts {
     pub orientable: bool,
     /// The Euler characteristic: positions − edges + triangles.
     pub euler: i64,
-    /// Handles; `None` where the genus is undefined.
+    /// Handles; `None` if the genus is undefined.
     pub genus: Option<u64>,
     /// Its area.
     pub area: f64,
-    /// The enclosed volume, negative where the front faces inward; `None` without an inside.
+    /// The enclosed volume, negative if the front faces inward; `None` without an inside.
     pub volume: Option<f64>,
     /// "outward", "inside-out", "undecided" or "no-inside".
     pub facing: &'static str,
-    /// The number of components that enclose it; `None` where that is undecided.
+    /// The number of components that enclose it; `None` if that is undecided.
     pub depth: Option<u32>,
     /// Its lowest and highest coordinates.
     #[serde(rename = "box")]
@@ -150,15 +149,15 @@ impl SurfaceFacts {
         let sum = |f: fn(&PartCheck) -> f64| parts.iter().fold(0.0, |sum, part| sum + f(part));
         let crossing: Option<Vec<&Finding>> =
             parts.iter().map(|part| part.self_intersections.as_ref()).collect();
-        let volume = sum(|part| part.found.measure.signed_volume);
+        let volume = sum(|part| part.validity.measure.signed_volume);
         Self {
             outward: outward_of(parts),
             inside_out: parts.iter().map(|part| part.inside_out.count).sum(),
-            self_intersections: crossing.map(|all| all.iter().map(|finding| finding.count).sum()),
+            self_intersections: crossing.map(|pairs| pairs.iter().map(|finding| finding.count).sum()),
             open_seams: OpenSeamFacts::total(parts),
             triangles_per_vertex: triangles_per_vertex(parts),
             in_place: scene.nodes.iter().all(|node| *node.matrix == IDENTITY),
-            area: sum(|part| part.found.measure.area),
+            area: sum(|part| part.validity.measure.area),
             volume: (counts.closed && counts.oriented).then_some(volume),
             component_list: largest(parts),
             prescribed: None,
@@ -166,46 +165,48 @@ impl SurfaceFacts {
     }
 
     /// Adds the check across the parts of the scene.
-    pub(super) fn add_scene_check(&mut self, together: &SceneCheck) {
+    pub(super) fn add_scene_check(&mut self, scene_check: &SceneCheck) {
         let alone = self.self_intersections.unwrap_or(0);
-        // Where transforms could not be applied, intersections that were found count, but their absence is
-        // unknown.
-        self.self_intersections = match together.crossing {
+        // If transforms could not be applied, the intersections that were found count, but that there are none is not known.
+        self.self_intersections = match scene_check.crossing {
             Some(crossing) => Some(alone + crossing),
             None => (alone > 0).then_some(alone),
         };
-        // Parts within parts are bodies or cavities: the outside is only known where both readings agree.
-        if self.outward == Some(true) && together.outward != Some(true) {
+        // Parts within parts are bodies or cavities: the outside is only known if both readings agree.
+        if self.outward == Some(true) && scene_check.outward != Some(true) {
             self.outward = None;
         }
     }
 }
 
-/// As for one mesh, over all parts with triangles.
+/// The orientation over all parts with triangles, as for one mesh.
 fn outward_of(parts: &[&PartCheck]) -> Option<bool> {
     let filled = parts.iter().filter(|part| !part.components.is_empty());
-    let each: Vec<Option<bool>> = filled.map(|part| outward(&part.components)).collect();
-    if each.contains(&Some(false)) {
+    let orientations: Vec<Option<bool>> = filled.map(|part| outward(&part.components)).collect();
+    if orientations.contains(&Some(false)) {
         return Some(false);
     }
-    (!each.is_empty() && !each.contains(&None)).then_some(true)
+    (!orientations.is_empty() && !orientations.contains(&None)).then_some(true)
 }
 
 /// The mean over the used positions of all parts.
 fn triangles_per_vertex(parts: &[&PartCheck]) -> Option<f64> {
-    let found = || parts.iter().map(|part| &part.found);
-    let faces: u64 = found().map(|found| found.triangles - found.collapsed_faces.count).sum();
-    // Euler's formula, solved for the positions that take part: χ + edges − faces.
-    let edges: u64 = found().map(|found| found.edges).sum();
-    let positions = found().map(|found| found.euler).sum::<i64>() + edges as i64 - faces as i64;
+    let validities = || parts.iter().map(|part| &part.validity);
+    let faces: u64 = validities().map(|validity| validity.triangles - validity.collapsed_faces.count).sum();
+    // Euler's formula, solved for the used positions: χ + edges − faces.
+    let edges: u64 = validities().map(|validity| validity.edges).sum();
+    let positions = validities().map(|validity| validity.euler).sum::<i64>() + edges as i64 - faces as i64;
     (positions > 0).then(|| 3.0 * faces as f64 / positions as f64)
 }
 
 fn largest(parts: &[&PartCheck]) -> Vec<ComponentFacts> {
-    let all = parts.iter().enumerate();
-    let all = all.flat_map(|(part, found)| found.components.iter().map(move |component| (part, component)));
-    let mut all: Vec<(usize, &Component)> = all.collect();
-    all.sort_by_key(|(part, component)| (std::cmp::Reverse(component.faces), *part, component.first_face));
-    all.truncate(MOST_COMPONENTS);
-    all.into_iter().map(|(part, component)| ComponentFacts::new(part, component)).collect()
+    let components = parts.iter().enumerate().flat_map(|(part, check)| {
+        let components = check.components.iter();
+        components.map(move |component| (part, component))
+    });
+    let mut largest: Vec<(usize, &Component)> = components.collect();
+    largest
+        .sort_by_key(|(part, component)| (std::cmp::Reverse(component.faces), *part, component.first_face));
+    largest.truncate(MOST_COMPONENTS);
+    largest.into_iter().map(|(part, component)| ComponentFacts::new(part, component)).collect()
 }

@@ -4,18 +4,18 @@ use chordal::check::surfaces::{EdgeJoin, EdgeMaximum, surface_edges};
 use chordal::explicit::parametric::PatchSide;
 use serde::Serialize;
 
-/// How patches meet.
+/// The smoothness at the edges between patches.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SurfaceEdgeFacts {
     /// Edges of two sides.
     pub shared: u64,
     /// Sides without neighbour.
     pub boundary: u64,
-    /// Curves that three sides or more are.
+    /// Curves that are the side of three patches or more.
     pub branching: u64,
     /// Sides that are one point.
     pub collapsed: u64,
-    /// Shared edges across which the fronts of the patches disagree.
+    /// Shared edges with opposite fronts of the patches.
     pub opposed: u64,
     /// The shared edges by apparent smoothness.
     pub geometric: GeometricEdgeCounts,
@@ -39,7 +39,7 @@ pub struct GeometricEdgeCounts {
     pub g2: u64,
 }
 
-/// Shared edges by the derivatives across them; gaps are in none of the classes.
+/// Shared edges by the derivatives across them; gaps are not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ParametricEdgeCounts {
     /// The first derivative jumps.
@@ -63,9 +63,9 @@ pub struct EdgeFacts {
     pub parametric: Option<u8>,
     /// The largest distance of the two sides.
     pub position_gap: EdgeMaximumFacts,
-    /// The largest angle between the normals; `None` where a patch has no tangent plane along the edge.
+    /// The largest angle between the normals; `None` if a patch has no tangent plane along the edge.
     pub angle_deg: Option<EdgeMaximumFacts>,
-    /// The largest difference of the curvatures across the edge; `None` where a patch has no first derivative there.
+    /// The largest difference of the curvatures across the edge; `None` if a patch has no first derivative there.
     pub curvature_gap: Option<EdgeMaximumFacts>,
 }
 
@@ -74,34 +74,34 @@ pub struct EdgeFacts {
 pub struct EdgeMaximumFacts {
     /// The value.
     pub value: f64,
-    /// Where it is, on the first patch: u and v.
+    /// Its place on the first patch: u and v.
     pub uv: [f64; 2],
     /// The point.
     pub at: [f64; 3],
 }
 
-/// The most edges that are listed.
+/// The most edges that are listed. Chosen: a report stays readable.
 pub const MOST_EDGES: usize = 32;
 
 impl SurfaceEdgeFacts {
     /// The facts of all edges of patches.
     #[must_use]
     pub fn from_patches(patches: &[Patch]) -> Self {
-        let found = surface_edges(patches);
+        let edges = surface_edges(patches);
         let mut facts = Self {
-            shared: found.joins.len() as u64,
-            boundary: found.boundary.len() as u64,
-            branching: found.branching.len() as u64,
-            collapsed: found.collapsed.len() as u64,
-            opposed: found.joins.iter().filter(|join| !join.fronts_agree).count() as u64,
+            shared: edges.joins.len() as u64,
+            boundary: edges.boundary.len() as u64,
+            branching: edges.branching.len() as u64,
+            collapsed: edges.collapsed.len() as u64,
+            opposed: edges.joins.iter().filter(|join| !join.fronts_agree).count() as u64,
             ..Self::default()
         };
-        for join in &found.joins {
+        for join in &edges.joins {
             facts.geometric.count(join.geometric);
             facts.parametric.count(join.parametric);
         }
-        let mut worst: Vec<&EdgeJoin> = found.joins.iter().filter(|join| join.geometric != Some(2)).collect();
-        // Stable, so that edges that are as bad stay in the order of the file.
+        let mut worst: Vec<&EdgeJoin> = edges.joins.iter().filter(|join| join.geometric != Some(2)).collect();
+        // Stable, so that equally bad edges stay in the order of the file.
         worst.sort_by(|a, b| a.geometric.cmp(&b.geometric).then(badness(b).total_cmp(&badness(a))));
         facts.worst = worst.into_iter().take(MOST_EDGES).map(EdgeFacts::new).collect();
         facts
@@ -121,7 +121,7 @@ impl GeometricEdgeCounts {
 }
 
 impl ParametricEdgeCounts {
-    /// Counts an edge of a class; gaps are in none.
+    /// Counts an edge of a class; gaps are not counted.
     pub(super) fn count(&mut self, class: Option<u8>) {
         match class {
             None => {}
@@ -132,13 +132,13 @@ impl ParametricEdgeCounts {
     }
 }
 
-/// What edges of one class are compared by.
+/// The number by which edges of one class are compared.
 fn badness(join: &EdgeJoin) -> f64 {
-    let known = |maximum: Option<EdgeMaximum>| maximum.map_or(f64::INFINITY, |maximum| maximum.value);
+    let value_of = |maximum: Option<EdgeMaximum>| maximum.map_or(f64::INFINITY, |maximum| maximum.value);
     match join.geometric {
         None => join.position_gap.value,
-        Some(0) => known(join.angle_rad),
-        Some(_) => known(join.curvature_gap),
+        Some(0) => value_of(join.angle_rad),
+        Some(_) => value_of(join.curvature_gap),
     }
 }
 

@@ -14,9 +14,8 @@ use serde::Serialize;
 
 /// The validity of all parts of a scene together, counted twice.
 ///
-/// Where a format has its own indices of positions, those decide which edges meet; elsewhere bit-identical
-/// positions do. The other count is in `other`: where the two differ, a reader that uses the other definition
-/// sees another surface.
+/// If a format has its own indices of positions, these decide which edges meet; otherwise bit-identical positions do. The
+/// other count is in `other`: if the two differ, a reader that uses the other definition sees a different surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidityFacts {
     /// The definition of the same position: "indices" or "positions".
@@ -29,7 +28,7 @@ pub struct ValidityFacts {
     /// Results that take a search; only from `inspect`.
     #[serde(flatten)]
     pub anatomy: Option<SurfaceFacts>,
-    /// The counts of each part; only from `inspect`, where there are several.
+    /// The counts of each part; only from `inspect`, and only if there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartValidity>,
     /// The first witnesses; only from `inspect`.
@@ -67,42 +66,43 @@ pub(crate) struct CountedTriangles {
 }
 
 impl CountedTriangles {
-    /// The counts of a scene, without witnesses; as one part where its file is read as one: an OBJ only names its objects.
+    /// The counts of a scene, without witnesses; counts it as one part if its file is read as one: an OBJ only names its
+    /// objects.
     pub fn from_scene(scene: &Scene, format: Format) -> Result<Self, WriteError> {
         if scene.parts.len() > 1 && (!format.has_parts() || format == Format::Obj) {
-            let whole = MergedParts::from_scene(scene, Topology::Indices)?.mesh;
-            return Ok(Self::total(&[TopologyChecks::quick(&whole, format)?], format.topology()));
+            let merged = MergedParts::from_scene(scene, Topology::Indices)?.mesh;
+            return Ok(Self::total(&[TopologyChecks::quick(&merged, format)?], format.topology()));
         }
         let parts: Result<Vec<_>, _> =
             scene.parts.iter().map(|part| TopologyChecks::quick(&part.mesh, format)).collect();
         Ok(Self::total(&parts?, format.topology()))
     }
 
-    /// As `from_scene`, in full.
-    pub fn thorough(scene: &Scene, format: Format, look: CheckDepth) -> Result<Self, CountError> {
+    /// As [`Self::from_scene`], with components and witnesses, and self-intersections if requested.
+    pub fn thorough(scene: &Scene, format: Format, depth: CheckDepth) -> Result<Self, CountError> {
         let mut parts = Vec::new();
         for part in &scene.parts {
-            parts.push(TopologyChecks::thorough(&part.mesh, format, look)?);
+            parts.push(TopologyChecks::thorough(&part.mesh, format, depth)?);
         }
         let mut counted = Self::total(&parts, format.topology());
         if parts.len() > 1 {
-            let part = |(i, both): (usize, &TopologyChecks)| PartValidity {
+            let part = |(i, checks): (usize, &TopologyChecks)| PartValidity {
                 part: i as u64,
                 name: scene.parts[i].name.clone(),
-                counts: ValidityCounts::from_check(&both.own),
+                counts: ValidityCounts::from_check(&checks.own),
             };
             counted.valid.parts = parts.iter().enumerate().map(part).collect();
         }
-        let own: Vec<&PartCheck> = parts.iter().map(|part| &part.own).collect();
-        let mut anatomy = SurfaceFacts::new(&own, &counted.valid.counts, scene);
-        let witnesses = own.iter().enumerate().flat_map(|(i, found)| found.witnesses(i));
+        let checks: Vec<&PartCheck> = parts.iter().map(|part| &part.own).collect();
+        let mut anatomy = SurfaceFacts::new(&checks, &counted.valid.counts, scene);
+        let witnesses = checks.iter().enumerate().flat_map(|(i, check)| check.witnesses(i));
         let mut witnesses: Vec<_> = witnesses.collect();
-        if let CheckDepth::Deep(job) = look
-            && let Some(together) =
+        if let CheckDepth::Deep(job) = depth
+            && let Some(scene_check) =
                 SceneCheck::from_scene(scene, format.topology(), job).map_err(CountError::Stopped)?
         {
-            anatomy.add_scene_check(&together);
-            witnesses.extend(together.witnesses);
+            anatomy.add_scene_check(&scene_check);
+            witnesses.extend(scene_check.witnesses);
         }
         counted.valid.anatomy = Some(anatomy);
         counted.valid.witnesses = Some(witnesses);
@@ -110,7 +110,7 @@ impl CountedTriangles {
     }
 
     fn total(parts: &[TopologyChecks], topology: Topology) -> Self {
-        let sum = |f: fn(&Validity) -> u64| parts.iter().map(|part| f(&part.own.found)).sum();
+        let sum = |f: fn(&Validity) -> u64| parts.iter().map(|part| f(&part.own.validity)).sum();
         let output = TriangleFacts {
             vertices: sum(|part| part.vertices),
             positions: sum(|part| part.positions),
@@ -140,19 +140,19 @@ pub(super) fn other_topology(topology: Topology) -> Topology {
 }
 
 impl ValidityFacts {
-    /// Whether every component is wound outward; `None` where that is undecided or unchecked.
+    /// Whether every component is wound outward; `None` if that is undecided or unchecked.
     #[must_use]
     pub fn outward(&self) -> Option<bool> {
         self.anatomy.as_ref().and_then(|anatomy| anatomy.outward)
     }
 
-    /// Whether there are triangles at all: points alone are no surface.
+    /// Whether there are triangles at all: points alone are not a surface.
     #[must_use]
     pub fn has_triangles(&self) -> bool {
         self.counts.edges > 0 || self.counts.collapsed_faces > 0
     }
 
-    /// The count of a defect; `None` where it was not searched for.
+    /// The count of a defect; `None` if it was not searched for.
     #[must_use]
     pub fn count(&self, defect: Defect) -> Option<u64> {
         let anatomy = self.anatomy.as_ref();

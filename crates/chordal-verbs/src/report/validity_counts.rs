@@ -6,7 +6,7 @@ use serde::Serialize;
 /// The counts of [`chordal::check::Validity`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidityCounts {
-    /// There are triangles, and in each part that has some no edge has one triangle only.
+    /// There are triangles, and in each part with triangles no edge has only one.
     pub closed: bool,
     /// No edge has more than two triangles, and the triangles at each position are one fan.
     pub manifold: bool,
@@ -26,7 +26,7 @@ pub struct ValidityCounts {
     pub non_manifold_vertices: u64,
     /// Boundary vertices that lie exactly in the interior of a boundary edge of others.
     pub t_junctions: u64,
-    /// Edges whose two triangles are wound against each other.
+    /// Edges whose two triangles have opposite winding.
     pub inconsistent_edges: u64,
     /// Triangles that repeat the positions of an earlier one.
     pub duplicate_faces: u64,
@@ -38,7 +38,7 @@ pub struct ValidityCounts {
     pub zero_area_faces: u64,
     /// Triangles with an area that are more than 100 times longer than high.
     pub slivers: u64,
-    /// Positions at the point of an earlier one; 0 where equal points are one position.
+    /// Positions at the point of an earlier one; 0 if equal points count as one position.
     pub duplicate_vertices: u64,
     /// Vertices that no triangle uses.
     pub unused_vertices: u64,
@@ -46,45 +46,47 @@ pub struct ValidityCounts {
     pub components: u64,
     /// Edges.
     pub edges: u64,
-    /// The Euler characteristic: positions − edges + triangles, of those that take part.
+    /// The Euler characteristic: positions − edges + triangles, without collapsed triangles and unused positions.
     pub euler: i64,
-    /// Handles of all components together; `None` where the genus is undefined.
+    /// Handles of all components together; `None` if the genus is undefined.
     pub genus: Option<u64>,
 }
 
 impl ValidityCounts {
-    pub(super) fn from_check(PartCheck { found, t_junctions, duplicate_vertices, .. }: &PartCheck) -> Self {
+    pub(super) fn from_check(
+        PartCheck { validity, t_junctions, duplicate_vertices, .. }: &PartCheck,
+    ) -> Self {
         Self {
-            closed: found.closed,
-            manifold: found.manifold(),
-            oriented: found.oriented,
-            orientable: found.orientable,
-            boundary_edges: found.boundary_edges.count,
-            boundary_loops: found.boundary_loops,
-            boundary_chains: found.boundary_chains,
-            non_manifold_edges: found.non_manifold_edges.count,
-            non_manifold_vertices: found.non_manifold_vertices.count,
+            closed: validity.closed,
+            manifold: validity.manifold(),
+            oriented: validity.oriented,
+            orientable: validity.orientable,
+            boundary_edges: validity.boundary_edges.count,
+            boundary_loops: validity.boundary_loops,
+            boundary_chains: validity.boundary_chains,
+            non_manifold_edges: validity.non_manifold_edges.count,
+            non_manifold_vertices: validity.non_manifold_vertices.count,
             t_junctions: t_junctions.count,
-            inconsistent_edges: found.inconsistent_edges.count,
-            duplicate_faces: found.duplicate_faces.count,
-            opposite_faces: found.opposite_faces.count,
-            collapsed_faces: found.collapsed_faces.count,
-            zero_area_faces: found.zero_area_faces.count,
-            slivers: found.slivers.count,
+            inconsistent_edges: validity.inconsistent_edges.count,
+            duplicate_faces: validity.duplicate_faces.count,
+            opposite_faces: validity.opposite_faces.count,
+            collapsed_faces: validity.collapsed_faces.count,
+            zero_area_faces: validity.zero_area_faces.count,
+            slivers: validity.slivers.count,
             duplicate_vertices: duplicate_vertices.count,
-            unused_vertices: found.unused_vertices.count,
-            components: found.components,
-            edges: found.edges,
-            euler: found.euler,
-            genus: found.genus,
+            unused_vertices: validity.unused_vertices.count,
+            components: validity.components,
+            edges: validity.edges,
+            euler: validity.euler,
+            genus: validity.genus,
         }
     }
 
     pub(super) fn total<'a>(parts: impl Iterator<Item = &'a PartCheck> + Clone) -> Self {
-        let mut filled = parts.clone().filter(|part| part.found.triangles > 0).peekable();
+        let mut filled = parts.clone().filter(|part| part.validity.triangles > 0).peekable();
         let mut sum = parts.map(Self::from_check).reduce(Self::plus).unwrap_or(Self::NONE);
-        // Parts without triangles are not closed, and do not keep the others from being so.
-        sum.closed = filled.peek().is_some() && filled.all(|part| part.found.closed);
+        // Parts without triangles do not count as closed, nor do they make the scene open.
+        sum.closed = filled.peek().is_some() && filled.all(|part| part.validity.closed);
         sum
     }
 
@@ -106,7 +108,7 @@ impl ValidityCounts {
         Some(count)
     }
 
-    /// The counts of no part at all.
+    /// The counts of no parts.
     const NONE: Self = Self {
         closed: false,
         manifold: true,

@@ -13,9 +13,9 @@ pub struct VolumeFacts {
     pub size: [u64; 3],
     /// The type of a sample, as in "u8" or "f32".
     pub samples: &'static str,
-    /// The names of the axes of space, as in "RAS"; `None` where the file has none.
+    /// The names of the axes of space, as in "RAS"; `None` if the file has none.
     pub space: Option<String>,
-    /// The patient side that each index runs to, as in "LAS"; `None` where the file does not say.
+    /// The patient side to which each index runs, as in "LAS"; `None` if the file does not state it.
     pub axes: Option<String>,
     /// The position of the first sample.
     pub origin: [f64; 3],
@@ -27,23 +27,23 @@ pub struct VolumeFacts {
     pub mirrored: bool,
     /// Whether the steps are not at right angles.
     pub sheared: bool,
-    /// The lowest finite sample; `None` where there is none.
+    /// The lowest finite sample; `None` if there is none.
     pub low: Option<f64>,
-    /// The highest finite sample; `None` where there is none.
+    /// The highest finite sample; `None` if there is none.
     pub high: Option<f64>,
     /// Samples that are NaN.
     pub nan: u64,
     /// Samples that are infinite.
     pub infinite: u64,
-    /// The number of distinct values, where all samples are whole numbers and there are at most 65,536.
+    /// The number of distinct values, if all samples are whole numbers and there are at most 65,536 values.
     pub labels: Option<u64>,
     /// The values with the most samples, at most [`MOST_LABELS`], in their order.
     pub label_list: Vec<LabelFacts>,
-    /// A suggested level; `None` where all samples are equal.
+    /// A suggested level; `None` if all samples are equal.
     pub suggested: Option<SuggestedLevelFacts>,
 }
 
-/// The most values that are listed.
+/// The most values that are listed. Chosen: a report stays readable.
 pub const MOST_LABELS: usize = 64;
 
 /// One value of the samples.
@@ -53,7 +53,7 @@ pub struct LabelFacts {
     pub label: i64,
     /// The number of its samples.
     pub samples: u64,
-    /// The name that the file gives it; absent where it gives none.
+    /// The name in the file; absent if there is none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
 }
@@ -63,7 +63,7 @@ pub struct LabelFacts {
 pub struct SuggestedLevelFacts {
     /// The level.
     pub level: f64,
-    /// "high" where samples above it are inside, "low" where those below it are.
+    /// "high" if samples above the level are inside, "low" if samples below it are.
     pub inside: &'static str,
     /// The interpretation of the samples: "mask", "occupancy", "signed distance" or "intensity".
     pub kind: &'static str,
@@ -109,11 +109,11 @@ impl VolumeFacts {
             infinite: range.infinite,
             labels: range.labels.as_ref().map(|labels| labels.len() as u64),
             label_list,
-            suggested: range.suggest(volume).map(|found| SuggestedLevelFacts {
-                level: found.level,
-                inside: if found.inside == Inside::Low { "low" } else { "high" },
-                kind: found.kind,
-                follows: found.follows(),
+            suggested: range.suggest(volume).map(|suggestion| SuggestedLevelFacts {
+                level: suggestion.level,
+                inside: if suggestion.inside == Inside::Low { "low" } else { "high" },
+                kind: suggestion.kind,
+                follows: suggestion.follows(),
             }),
         }
     }
@@ -134,17 +134,17 @@ fn is_sheared([a, b, c]: [[f64; 3]; 3]) -> bool {
     [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| dot(p, q).abs() > ROUNDING * length(p) * length(q))
 }
 
-/// The side that each index mostly runs to: each side once, the clearest index first.
+/// The side to which each index mostly runs: each side once, the clearest index first.
 fn axes(affine: &Affine3, space: &str) -> Option<String> {
     let letters: [char; 3] = space.chars().collect::<Vec<_>>().try_into().ok()?;
     let steps = affine.steps();
-    let mut found = [None; 3];
-    let mut taken = [false; 3];
+    let mut sides = [None; 3];
+    let mut used = [false; 3];
     for _ in 0..3 {
         let mut best = (-1.0, 0, 0);
-        for index in (0..3).filter(|index| found[*index].is_none()) {
+        for index in (0..3).filter(|index| sides[*index].is_none()) {
             let size = length(steps[index]);
-            for axis in (0..3).filter(|axis| !taken[*axis]) {
+            for axis in (0..3).filter(|axis| !used[*axis]) {
                 let part = (steps[index][axis] / size).abs();
                 if part > best.0 {
                     best = (part, index, axis);
@@ -152,11 +152,11 @@ fn axes(affine: &Affine3, space: &str) -> Option<String> {
             }
         }
         let (_, index, axis) = best;
-        taken[axis] = true;
+        used[axis] = true;
         let letter = letters[axis];
-        found[index] = if steps[index][axis] < 0.0 { opposite_direction(letter) } else { Some(letter) };
+        sides[index] = if steps[index][axis] < 0.0 { opposite_direction(letter) } else { Some(letter) };
     }
-    found.into_iter().collect()
+    sides.into_iter().collect()
 }
 
 fn opposite_direction(letter: char) -> Option<char> {

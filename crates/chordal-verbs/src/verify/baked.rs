@@ -1,7 +1,7 @@
-//! What a certificate says of a baked grid, looked at again: its samples, their sides, its lattice, the solid.
+//! Checks the facts of a certificate about a baked grid: its samples, their signs, its lattice, the solid.
 use super::claims::ClaimList;
 use super::counts::compare_with;
-use crate::bake::{interpolant_off, off_at_most};
+use crate::bake::{interpolant_error, off_at_most};
 use crate::report::{SolidFacts, to_value};
 use crate::seal::seal_of;
 use crate::{Input, MeshFailure, Shape, flatten, merged_parts};
@@ -13,7 +13,7 @@ use chordal::{Job, Mesh};
 use chordal_io::{Format, Scene};
 use serde_json::Value;
 
-/// Compares what a certificate says of a baked grid with its samples and with the triangles.
+/// Compares the facts of a certificate about a baked grid with its samples and with the triangles.
 pub(super) fn check_baked(
     baked: &Value,
     (read, written): (&Input, &Input),
@@ -24,14 +24,14 @@ pub(super) fn check_baked(
     let Shape::Volume(sampled) = &written.shape else {
         claims.refute(
             "baked",
-            "the certificate speaks of a baked grid, and the file or its input is something else",
+            "the certificate is for a baked grid, and the file or its input is something else",
         );
         return Ok(());
     };
-    // An array has no place and no step: those that are claimed are proved with the distances, which no others have.
-    let placed = if written.format == Format::Npy { said_place(baked) } else { None };
-    let placed = placed.map(|affine| sampled.volume.grid.clone().with_affine(affine));
-    let grid = placed.as_ref().unwrap_or(&sampled.volume.grid);
+    // An array has no origin and no step: the claimed ones are proved by the distances, which fit no others.
+    let located = if written.format == Format::Npy { stated_lattice(baked) } else { None };
+    let located = located.map(|affine| sampled.volume.grid.clone().with_affine(affine));
+    let grid = located.as_ref().unwrap_or(&sampled.volume.grid);
     if let Shape::Scene(scene) = &read.shape {
         check_distances(baked, (scene, grid), rounding, claims, job)?;
     } else {
@@ -48,19 +48,19 @@ pub(super) fn check_baked(
         ("spacing", grid.affine().rows()[0][0].into()),
         ("distances", distances.into()),
     ];
-    for (key, found) in facts {
+    for (key, actual) in facts {
         let claim = format!("baked/{key}");
         claims.decide(
             &claim,
-            baked.get(key).is_some_and(|said| seal_of(said) == seal_of(&found)),
-            "the lattice of the file is another one, or its samples are",
+            baked.get(key).is_some_and(|stated| seal_of(stated) == seal_of(&actual)),
+            "the lattice of the file or its samples are different",
         );
     }
     Ok(())
 }
 
-/// Where a certificate says that a baked lattice begins, and its step.
-fn said_place(baked: &Value) -> Option<Affine3> {
+/// The origin and the step of a baked lattice in a certificate.
+fn stated_lattice(baked: &Value) -> Option<Affine3> {
     let origin: [f64; 3] = serde_json::from_value(baked.get("origin")?.clone()).ok()?;
     let spacing = baked.get("spacing")?.as_f64()?;
     let row = |k: usize| {
@@ -73,7 +73,7 @@ fn band_of(baked: &Value) -> f64 {
     baked.get("band").and_then(Value::as_f64).unwrap_or(f64::INFINITY)
 }
 
-/// The claims about distances to triangles: those of samples, and those between them, which follow.
+/// Checks the claims about distances to triangles: those of samples, and of the interpolant between them, which follow.
 fn check_distances(
     baked: &Value,
     (scene, grid): (&Scene, &Grid),
@@ -81,47 +81,47 @@ fn check_distances(
     claims: &mut ClaimList,
     job: &Job,
 ) -> Result<(), MeshFailure> {
-    let placed = flatten::flatten(scene.clone())?;
-    let mesh = merged_parts::one_mesh(&placed.scene)?;
-    let said = baked.get("off_at_most").and_then(Value::as_f64);
-    let found = off_at_most(&mesh, (grid, band_of(baked)), job)?;
-    let moved = placed.moved_at_most;
+    let flattened = flatten::flatten(scene.clone())?;
+    let mesh = merged_parts::one_mesh(&flattened.scene)?;
+    let claimed = baked.get("off_at_most").and_then(Value::as_f64);
+    let sample_error = off_at_most(&mesh, (grid, band_of(baked)), job)?;
+    let moved = flattened.moved_at_most;
     let moved = if again == 0.0 { moved } else { add_up(moved, again) };
-    let off = if moved == 0.0 { found } else { add_up(found, moved) };
-    // What was put together and rounded is what was baked.
-    let least = if rounding == 0.0 { off } else { greater(sub_down(off, rounding), 0.0) };
+    let error = if moved == 0.0 { sample_error } else { add_up(sample_error, moved) };
+    // The baked triangles were put together and rounded, too, so that they may differ from these by `rounding`.
+    let least = if rounding == 0.0 { error } else { greater(sub_down(error, rounding), 0.0) };
     claims.decide(
         "baked/off_at_most",
-        said.is_some_and(|said| least <= said),
+        claimed.is_some_and(|claimed| least <= claimed),
         "a sample is farther from the distance to the triangles than is claimed",
     );
     let bvh = Bvh::build(&mesh, job)?;
     let enclosure = Enclosure::new(&mesh, &bvh);
-    let has_sides = check_sides(&enclosure, (grid, add_up(off, rounding)), claims);
-    if let Some(said) = baked.pointer("/interpolant/at_most").and_then(Value::as_f64) {
+    let has_sides = check_sides(&enclosure, (grid, add_up(error, rounding)), claims);
+    if let Some(claimed) = baked.pointer("/interpolant/at_most").and_then(Value::as_f64) {
         let of = baked.pointer("/interpolant/of").and_then(Value::as_str);
         let is_true = of == Some("distance") || of == Some("signed distance") && has_sides;
         claims.decide(
             "baked/interpolant",
-            enclosure.is_closed() && is_true && interpolant_off(grid, least) <= said,
+            enclosure.is_closed() && is_true && interpolant_error(grid, least) <= claimed,
             "the interpolant may be farther from the distance to the triangles than is claimed",
         );
     }
     for at in ["/evidence", "/interpolant/evidence", "/route"] {
         let expected = if at == "/route" { "triangles" } else { "proved" };
-        if let Some(said) = baked.pointer(at).filter(|said| !said.is_null()) {
+        if let Some(stated) = baked.pointer(at).filter(|stated| !stated.is_null()) {
             let reason = "samples of triangles are distances to these, and proved";
-            claims.decide(&format!("baked{at}"), said == expected, reason);
+            claims.decide(&format!("baked{at}"), stated == expected, reason);
         }
     }
     check_solid(baked, (&mesh, enclosure.is_closed()), claims, job)
 }
 
-/// Every sample is on the side that its sign says: below 0 where the triangles enclose it. Whether that is so.
+/// Checks that every sample is on the side of its sign: below 0 if the triangles enclose it. Returns whether that is so.
 ///
-/// A sample of a closed mesh that is farther from the triangles than the next one along its row is on the same side as
-/// that, since no triangle is between them. So only those near the triangles are looked at.
-fn check_sides(enclosure: &Enclosure<'_>, (grid, off): (&Grid, f64), claims: &mut ClaimList) -> bool {
+/// If a mesh is closed and a sample is farther from the triangles than the next one along its row, both are on the same
+/// side, since no triangle is between them. So only samples near the triangles need a winding number.
+fn check_sides(enclosure: &Enclosure<'_>, (grid, error): (&Grid, f64), claims: &mut ClaimList) -> bool {
     let [nx, ny, nz] = grid.size();
     let rows = grid.affine().rows();
     let step = (0..3).fold(0.0, |sum, k| add_up(sum, rows[k][0].abs()));
@@ -131,12 +131,12 @@ fn check_sides(enclosure: &Enclosure<'_>, (grid, off): (&Grid, f64), claims: &mu
         for i in 0..nx {
             let value = grid.sample([i, j, k]);
             let size = value.abs();
-            if size <= off {
-                // So near to a triangle, either side may be right.
+            if size <= error {
+                // A sample so near to a triangle may be on either side.
                 before = None;
                 continue;
             }
-            let is_clear = |size: f64| enclosure.is_closed() && sub_down(size, off) > step;
+            let is_clear = |size: f64| enclosure.is_closed() && sub_down(size, error) > step;
             let same = before.filter(|(_, size)| is_clear(*size)).map(|(side, _)| side);
             let at = || grid.affine().at([i as f64, j as f64, k as f64]);
             let is_inside = same.unwrap_or_else(|| side_of(enclosure.inside(at())));
@@ -148,20 +148,20 @@ fn check_sides(enclosure: &Enclosure<'_>, (grid, off): (&Grid, f64), claims: &mu
         }
     }
     if wrong > 0 {
-        let reason = format!("{wrong} samples are on the other side of the triangles than their signs say");
+        let reason = format!("{wrong} samples are on the other side of the triangles than by their signs");
         claims.refute("baked/sides", reason);
     } else if unknown > 0 {
-        claims.open("baked/sides", format!("of {unknown} samples nothing says on which side they are"));
+        claims.open("baked/sides", format!("the sides of {unknown} samples could not be determined"));
     } else {
         claims.prove("baked/sides");
     }
     wrong == 0 && unknown == 0
 }
 
-/// Whether a point is inside, as `bake` has it: the winding number around it is above a half.
+/// Whether a point is inside by the definition of `bake`: the winding number around it is above a half.
 fn side_of(Containment { winding, .. }: Containment) -> Option<bool> {
     let (low, high) = (winding.value - winding.off_at_most, winding.value + winding.off_at_most);
-    // A number that is none is on neither side.
+    // NaN is on neither side.
     if low > 0.5 {
         Some(true)
     } else if high < 0.5 {
@@ -171,16 +171,16 @@ fn side_of(Containment { winding, .. }: Containment) -> Option<bool> {
     }
 }
 
-/// What is said of the triangles that were sampled: whether they are closed and a solid.
+/// Checks the facts about the triangles that were sampled: whether they are closed and a solid.
 fn check_solid(
     baked: &Value,
     (mesh, is_closed): (&Mesh, bool),
     claims: &mut ClaimList,
     job: &Job,
 ) -> Result<(), MeshFailure> {
-    if baked.get("solid").is_some_and(|said| !said.is_null()) {
-        let found = SolidFacts::new(&SolidReport::from_mesh(mesh, is_closed, job)?);
-        compare_with(baked, ("solid", &to_value(&found)), ("baked/solid", claims));
+    if baked.get("solid").is_some_and(|stated| !stated.is_null()) {
+        let solid = SolidFacts::new(&SolidReport::from_mesh(mesh, is_closed, job)?);
+        compare_with(baked, ("solid", &to_value(&solid)), ("baked/solid", claims));
     }
     Ok(())
 }

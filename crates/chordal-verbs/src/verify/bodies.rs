@@ -1,4 +1,4 @@
-//! Triangles of several shapes of a script, each shape against its own.
+//! Triangles of several shapes of a script, each compared with its own shape.
 use super::bound_judge::{BoundJudge, JudgedBound, JudgedMesh, conclude, unable};
 use crate::{ImplicitShape, MeshFailure, field};
 use chordal::Mesh;
@@ -11,17 +11,17 @@ use chordal::implicit::Field;
 use chordal::math::{Box3, greater};
 use std::collections::BTreeMap;
 
-/// The vertices of a component by which its shape is found. Chosen: a few all over it.
+/// The most vertices of a component by which its shape is found. Chosen: a few, spread over all of it.
 const MOST_VERTICES: usize = 64;
 
 impl BoundJudge<'_> {
-    /// The largest distance between a shape and its triangles. Any way to give triangles to shapes is a proof, if each shape
-    /// is near its own: then all are near all.
+    /// The largest distance between a shape and its triangles. Any assignment of triangles to shapes gives a proof: if each
+    /// shape is near its own triangles, all shapes are near all triangles.
     pub(super) fn against_bodies(
         &self,
         mesh: &JudgedMesh,
         implicit: &ImplicitShape,
-        said: &Bound,
+        claimed: &Bound,
         goal: &Goal,
     ) -> Result<JudgedBound, MeshFailure> {
         let solids = implicit.bodies.iter().map(|body| field::finite(&implicit.of_body(body)));
@@ -37,31 +37,32 @@ impl BoundJudge<'_> {
             return unable("a function of a shape failed");
         };
         let boxes: Vec<Box3> = parts.iter().map(Mesh::bounds).collect();
-        let mut whole: Option<Bound> = None;
+        let mut total: Option<Bound> = None;
         for (part, solid) in parts.iter().zip(&solids) {
             if part.faces().is_empty() {
                 return unable("the triangles are fewer than the shapes of the script");
             }
-            let found = check::field_deviation(part, solid, goal, self.job);
-            let own = match conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)? {
+            let deviation = check::field_deviation(part, solid, goal, self.job);
+            let deviation = deviation.map(|deviation| (deviation.bound, deviation.backward));
+            let own = match conclude(deviation, mesh.moved, claimed)? {
                 JudgedBound::Between(own) => own,
                 unable => return Ok(unable),
             };
-            whole = Some(match whole {
+            total = Some(match total {
                 None => own,
                 Some(before) => field::wider(before, own),
             });
         }
-        let Some(whole) = whole else { return unable("there is no shape") };
-        // A point that is far from its own triangles may be near others', which reach as far out of their boxes.
-        let far = 2.0 * whole.at_most().unwrap_or(f64::INFINITY);
-        let is_apart = |(k, own): (usize, &Box3)| boxes[..k].iter().all(|other| gap(own, other) > far);
+        let Some(total) = total else { return unable("there is no shape") };
+        // A point that is far from its own triangles may be near those of another shape, up to this distance from their box.
+        let far = 2.0 * total.at_most().unwrap_or(f64::INFINITY);
+        let is_apart = |(k, bounds): (usize, &Box3)| boxes[..k].iter().all(|other| gap(bounds, other) > far);
         if boxes.iter().enumerate().all(is_apart) {
-            return Ok(JudgedBound::Between(whole));
+            return Ok(JudgedBound::Between(total));
         }
         let mut one_end =
-            Bound::with_evidence(0.0, whole.at_most(), whole.evidence().clone(), whole.reference);
-        one_end.metric = whole.metric;
+            Bound::with_evidence(0.0, total.at_most(), total.evidence().clone(), total.reference);
+        one_end.metric = total.metric;
         Ok(JudgedBound::Between(one_end))
     }
 }
@@ -72,7 +73,7 @@ fn gap(a: &Box3, b: &Box3) -> f64 {
     (0..3).fold(0.0, |most, k| greater(along(k), most))
 }
 
-/// For each solid the components of a mesh whose vertices are nearest to its surface. None where a function of one fails.
+/// For each solid, the components of a mesh whose vertices are nearest to its surface. `None` if a user's function fails.
 fn parts_by_solid(mesh: &Mesh, solids: &[Field]) -> Option<Vec<Mesh>> {
     let component_of = MeshConnectivity::new(mesh, Topology::Positions).component_of_faces();
     let mut vertices: BTreeMap<u32, Vec<[f64; 3]>> = BTreeMap::new();
@@ -81,12 +82,13 @@ fn parts_by_solid(mesh: &Mesh, solids: &[Field]) -> Option<Vec<Mesh>> {
     }
     let tapes: Vec<_> = solids.iter().map(Field::tape).collect();
     let mut solid_of = BTreeMap::new();
-    for (component, all) in vertices {
-        let some: Vec<[f64; 3]> = all.iter().step_by(all.len().div_ceil(MOST_VERTICES)).copied().collect();
-        let mut values = vec![0.0; some.len()];
+    for (component, points) in vertices {
+        let samples: Vec<[f64; 3]> =
+            points.iter().step_by(points.len().div_ceil(MOST_VERTICES)).copied().collect();
+        let mut values = vec![0.0; samples.len()];
         let mut nearest = (f64::INFINITY, 0);
         for (number, tape) in tapes.iter().enumerate() {
-            tape.at(&some, &mut values).ok()?;
+            tape.at(&samples, &mut values).ok()?;
             let far = values.iter().fold(0.0, |most, value: &f64| greater(value.abs(), most));
             if far < nearest.0 {
                 nearest = (far, number);
@@ -94,7 +96,7 @@ fn parts_by_solid(mesh: &Mesh, solids: &[Field]) -> Option<Vec<Mesh>> {
         }
         solid_of.insert(component, nearest.1);
     }
-    let own = |number: usize| {
+    let mesh_of = |number: usize| {
         let (mut positions, mut faces, mut row_of) = (Vec::new(), Vec::new(), BTreeMap::new());
         for (face, component) in component_of.iter().enumerate() {
             if solid_of.get(component) == Some(&number) {
@@ -108,5 +110,5 @@ fn parts_by_solid(mesh: &Mesh, solids: &[Field]) -> Option<Vec<Mesh>> {
         }
         Mesh::new(positions, faces).ok()
     };
-    (0..solids.len()).map(own).collect()
+    (0..solids.len()).map(mesh_of).collect()
 }

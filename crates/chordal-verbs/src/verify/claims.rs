@@ -1,14 +1,14 @@
-//! What `verify` says: every claim of a certificate with its verdict.
+//! The result of `verify`: every claim of a certificate with its verdict.
 use serde::Serialize;
 
 /// The name of this version of the report of `verify`, which `docs/schema/verify.schema.json` describes.
 pub const VERIFY_SCHEMA: &str = "chordal.verify/1";
 
-/// What is known of a claim. The worst of all claims is the verdict on the certificate.
+/// The verdict on a claim. The worst of all claims is the verdict on the certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {
-    /// It holds: it was proved again, or counted again.
+    /// It holds: it was proved or counted again.
     #[serde(rename = "re-proved")]
     Proved,
     /// It was neither proved nor refuted.
@@ -21,17 +21,17 @@ pub enum ClaimVerdict {
 /// A claim of a certificate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClaimFacts {
-    /// Which claim, as a path in the certificate or a word of `docs/verify.md`.
+    /// The claim, as a path in the certificate or a word of `docs/verify.md`.
     pub claim: String,
-    /// What is known of it.
+    /// The verdict.
     pub verdict: ClaimVerdict,
     /// Why it does not hold, or was not decided, in one sentence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// For a bound: the most that is claimed.
+    /// For a bound: the claimed upper end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub claimed: Option<f64>,
-    /// For a bound: the ends of the distance as they were proved again; the upper is `None` where nothing bounds it.
+    /// For a bound: the ends of the distance that were proved again; the upper end is `None` if there is no bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found: Option<(f64, Option<f64>)>,
 }
@@ -43,11 +43,11 @@ pub struct VerifyReport {
     pub schema: &'static str,
     /// The worst verdict.
     pub verdict: ClaimVerdict,
-    /// All claims, in the order in which they were looked at.
+    /// All claims, in the order in which they were checked.
     pub claims: Vec<ClaimFacts>,
-    /// What the certificate says beside, as paths in it: how it came about, words, what was asked for; and figures of which
-    /// neither the files nor a look that costs no more than the work say whether they hold. Last what the file shows beside
-    /// its triangles and nothing tells of: "attributes/normal" and the like, "materials".
+    /// The facts of the certificate that were not checked, as paths in it: the origin of the result, sentences, the
+    /// request; and figures that neither the files nor a check within the limit of work can decide. Last the attributes of
+    /// the file for which there is no comparison: "attributes/normal" and the like, "materials".
     pub unchecked: Vec<String>,
 }
 
@@ -58,7 +58,7 @@ impl VerifyReport {
         Self { schema: VERIFY_SCHEMA, verdict, claims, unchecked }
     }
 
-    /// The first of the worst claims: the one to tell of.
+    /// The first of the worst claims, for a summary.
     #[must_use]
     pub fn worst(&self) -> Option<&ClaimFacts> {
         self.claims.iter().find(|claim| claim.verdict == self.verdict)
@@ -69,7 +69,7 @@ impl VerifyReport {
 #[derive(Debug, Default)]
 pub(super) struct ClaimList {
     claims: Vec<ClaimFacts>,
-    /// Figures that are left unchecked, as paths in the certificate.
+    /// Figures and attributes that are left unchecked, mostly as paths in the certificate.
     passed: Vec<String>,
 }
 
@@ -90,17 +90,17 @@ impl ClaimList {
         self.say(claim, ClaimVerdict::Open, Some(reason.into()));
     }
 
-    /// Leaves a figure unchecked, which changes no verdict.
+    /// Leaves a figure unchecked, which does not change the verdict.
     pub fn pass(&mut self, at: impl Into<String>) {
         self.passed.push(at.into());
     }
 
-    /// Whether a figure below a path was left unchecked.
+    /// Whether a figure at a path that starts so was left unchecked.
     pub fn has_passed(&self, below: &str) -> bool {
         self.passed.iter().any(|at| at.starts_with(below))
     }
 
-    /// A claim that is right or wrong.
+    /// Adds a claim that is right or wrong.
     pub fn decide(&mut self, claim: &str, holds: bool, reason: &str) {
         if holds { self.prove(claim) } else { self.refute(claim, reason) }
     }
@@ -108,9 +108,9 @@ impl ClaimList {
     /// Adds the claims of a part, under its name.
     pub fn extend_as(&mut self, name: &str, Self { claims, passed }: Self) {
         self.claims.extend(
-            claims.into_iter().map(|own| ClaimFacts { claim: format!("{name}/{}", own.claim), ..own }),
+            claims.into_iter().map(|facts| ClaimFacts { claim: format!("{name}/{}", facts.claim), ..facts }),
         );
-        self.passed.extend(passed.into_iter().map(|own| format!("{name}/{own}")));
+        self.passed.extend(passed.into_iter().map(|path| format!("{name}/{path}")));
     }
 
     fn say(&mut self, claim: &str, verdict: ClaimVerdict, reason: Option<String>) {

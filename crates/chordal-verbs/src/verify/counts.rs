@@ -6,7 +6,7 @@ use crate::{Input, MeshFailure, Shape};
 use chordal_io::VertexRows;
 use serde_json::Value;
 
-/// Counts what the file holds, and compares every count that the certificate has.
+/// Counts the content of the file, and compares every count in the certificate.
 pub(super) fn check(out: &Input, certificate: &Value, claims: &mut ClaimList) -> Result<(), MeshFailure> {
     let (output, valid) = match &out.shape {
         Shape::Scene(scene) => {
@@ -27,14 +27,14 @@ pub(super) fn check(out: &Input, certificate: &Value, claims: &mut ClaimList) ->
         }
     };
     compare(certificate, ("output", &to_value(&output)), claims);
-    let said = certificate.get("valid").unwrap_or(&Value::Null);
-    let says_other = said.get("other").is_some_and(|other| !other.is_null());
+    let stated = certificate.get("valid").unwrap_or(&Value::Null);
+    let has_other = stated.get("other").is_some_and(|other| !other.is_null());
     let mut valid = valid;
     if let Shape::Scene(scene) = &out.shape
-        && says_other
+        && has_other
         && out.format.vertex_rows() == VertexRows::Soup
     {
-        // By indices each triangle of such a file stands alone: its reader ties corners at one position.
+        // Such a file has no indices, so that each triangle would stand alone: its reader ties corners at one position.
         let rows = to_file_rows(scene.clone(), out.format)?;
         valid["other"] = to_value(&CountedTriangles::from_scene(&rows, out.format)?.valid.other);
     }
@@ -42,51 +42,51 @@ pub(super) fn check(out: &Input, certificate: &Value, claims: &mut ClaimList) ->
     Ok(())
 }
 
-/// Compares one group of counts, with the groups in it: each value that is claimed has to be what was counted.
+/// Compares one group of counts, with nested groups: each value in the certificate has to be the counted one.
 fn compare(certificate: &Value, (group, counted): (&str, &Value), claims: &mut ClaimList) {
     compare_with(certificate, (group, counted), (group, claims));
 }
 
-/// The same, with a name for the claim.
+/// As [`compare`], with a name for the claim.
 pub(super) fn compare_with(
     certificate: &Value,
     (group, counted): (&str, &Value),
     (name, claims): (&str, &mut ClaimList),
 ) {
-    let Some(said) = certificate.get(group).filter(|said| !said.is_null()) else { return };
+    let Some(stated) = certificate.get(group).filter(|stated| !stated.is_null()) else { return };
     let mut wrong = Vec::new();
-    differences(name, said, Some(counted), &mut wrong);
+    differences(name, stated, Some(counted), &mut wrong);
     if wrong.is_empty() {
         claims.prove(name);
     }
-    for CountDifference { claim, said, found } in wrong {
-        match found {
-            Some(found) => {
-                claims.refute(&claim, format!("the certificate says {said}, and the file has {found}"));
+    for CountDifference { claim, stated, actual } in wrong {
+        match actual {
+            Some(actual) => {
+                claims.refute(&claim, format!("the certificate says {stated}, and the file has {actual}"));
             }
             None => claims.open(&claim, "nothing of the kind was counted in the file"),
         }
     }
 }
 
-/// A count that is not what was counted.
+/// A count that is not what the certificate states.
 struct CountDifference<'a> {
     claim: String,
-    said: &'a Value,
-    found: Option<&'a Value>,
+    stated: &'a Value,
+    actual: Option<&'a Value>,
 }
 
 fn differences<'a>(
     path: &str,
-    said: &'a Value,
+    stated: &'a Value,
     counted: Option<&'a Value>,
     wrong: &mut Vec<CountDifference<'a>>,
 ) {
-    if let Some(members) = said.as_object() {
+    if let Some(members) = stated.as_object() {
         for (key, value) in members {
-            differences(&format!("{path}/{key}"), value, counted.and_then(|all| all.get(key)), wrong);
+            differences(&format!("{path}/{key}"), value, counted.and_then(|group| group.get(key)), wrong);
         }
-    } else if counted != Some(said) {
-        wrong.push(CountDifference { claim: path.to_owned(), said, found: counted });
+    } else if counted != Some(stated) {
+        wrong.push(CountDifference { claim: path.to_owned(), stated, actual: counted });
     }
 }

@@ -1,4 +1,4 @@
-//! The coarser levels of detail in a glTF: what each claims, and those of parts that are in no level of the whole.
+//! The claims of the coarser levels of detail in a glTF, and of levels of parts that are in no level of the scene.
 use super::claims::ClaimList;
 use super::steps::{GivenFile, HISTORY, ProvedSteps};
 use super::{CertifiedFile, check_file, history, n_coarser_levels};
@@ -22,45 +22,48 @@ pub(super) fn check(
         claims.open("levels", format!("{n} coarser levels are in the file, and were not looked at"));
         return Ok(());
     }
-    // A file that shows several places has combinations of their levels.
-    let is_one = matches!(&finest.shape, Shape::Scene(scene) if n_places(scene) == 1);
-    let mut is_known = vec![false; coarser.len()];
+    // In a file with several placements, a level of the scene combines levels of the parts.
+    let is_single = matches!(&finest.shape, Shape::Scene(scene) if n_places(scene) == 1);
+    let mut is_matched = vec![false; coarser.len()];
     let certificates: Vec<&Value> =
         coarser.iter().filter_map(|level| embedded_certificate(&level.shape)).collect();
     for (k, certificate) in certificates.iter().enumerate() {
         let name = format!("levels/{}", k + 1);
-        let said =
+        let stated =
             history(certificate).ok().and_then(|history| history.steps.last()?.output.geometry.clone());
-        let mut found = None;
+        let mut matching = None;
         for (at, level) in coarser.iter().enumerate() {
-            if said.is_some() && digest_of(level, certificate)? == said {
-                found = found.or(Some((at, level)));
-                is_known[at] = true;
+            if stated.is_some() && digest_of(level, certificate)? == stated {
+                matching = matching.or(Some((at, level)));
+                is_matched[at] = true;
             }
         }
-        match found {
+        match matching {
             Some((_, file)) => {
-                let mut own = ClaimList::default();
-                check_file(&CertifiedFile { file, certificate, against }, &mut own, job)?;
-                claims.extend_as(&name, own);
+                let mut level_claims = ClaimList::default();
+                check_file(&CertifiedFile { file, certificate, against }, &mut level_claims, job)?;
+                claims.extend_as(&name, level_claims);
             }
-            None if is_one => claims.refute(
+            None if is_single => claims.refute(
                 &format!("{name}/geometry"),
-                "the file holds another geometry than the certificate of this level speaks of",
+                "the file holds another geometry than in the certificate of this level",
             ),
-            None => claims.open(&name, "which levels of the parts make this level of the whole is not said"),
+            None => claims.open(
+                &name,
+                "the certificate does not state which levels of the parts form this level of the scene",
+            ),
         }
     }
-    let rest = coarser.iter().zip(&is_known).enumerate().filter(|(_, (_, is_known))| !**is_known);
-    for (at, (level, _)) in rest {
+    let unmatched = coarser.iter().zip(&is_matched).enumerate().filter(|(_, (_, is_matched))| !**is_matched);
+    for (at, (level, _)) in unmatched {
         let name = format!("levels/in the file {}", at + 1);
         match certificates.last() {
-            Some(coarsest) if is_one => {
-                let mut own = ClaimList::default();
-                check_unclaimed(level, coarsest, (against, job), &mut own)?;
-                claims.extend_as(&name, own);
+            Some(coarsest) if is_single => {
+                let mut level_claims = ClaimList::default();
+                check_unclaimed(level, coarsest, (against, job), &mut level_claims)?;
+                claims.extend_as(&name, level_claims);
             }
-            _ => claims.open(&name, "no certificate speaks of this level"),
+            _ => claims.open(&name, "no certificate is for this level"),
         }
     }
     Ok(())
@@ -70,7 +73,7 @@ fn digest_of(level: &Input, certificate: &Value) -> Result<Option<String>, MeshF
     Ok(digest_in_frame(&level.shape, level.format, &stated_frame(certificate))?)
 }
 
-/// A level that no certificate speaks of is no farther from the input than the coarsest that one speaks of.
+/// A level without a certificate must be no farther from the input than the coarsest level with one.
 fn check_unclaimed(
     level: &Input,
     coarsest: &Value,
@@ -79,14 +82,14 @@ fn check_unclaimed(
 ) -> Result<(), MeshFailure> {
     let HistoryFacts { begins, mut steps, .. } = match history(coarsest) {
         Ok(history) => history,
-        Err(why) => {
-            claims.open("history", why);
+        Err(reason) => {
+            claims.open("history", reason);
             return Ok(());
         }
     };
     if let Some(last) = steps.last_mut() {
         last.output.geometry = digest_of(level, coarsest)?;
-        // It may be nearer.
+        // The level may be nearer than that one.
         last.bound.iter_mut().for_each(|bound| bound.at_least = 0.0);
     }
     let history = &HistoryFacts::new(begins, steps);

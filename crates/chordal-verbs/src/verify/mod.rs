@@ -1,4 +1,4 @@
-//! `verify`: re-proves the certificate of a written file, without what made the file.
+//! `verify`: re-proves the certificate of a written file, independently of how the file was built.
 mod attribute_pair;
 mod attributes;
 mod baked;
@@ -25,21 +25,21 @@ use claims::ClaimList;
 use serde_json::Value;
 use steps::{GivenFile, HISTORY, ProvedSteps};
 
-/// Re-proves what the certificate of `out` claims, from `out` itself and from the files that it was made of,
+/// Re-proves the claims in the certificate of `out`, from `out` itself and from the files that it was built from,
 /// `against`: its input, and for a history of several steps the files between, in any order.
 ///
-/// The certificate is that in the file, or `given`: a report, or the certificate of one, for formats that hold none.
-/// Only the judges of `chordal::check` are asked; nothing is made again. Claims are: the seal over the certificate;
-/// the digest of the geometry; the counts of the output, and whether it is closed and manifold; that an input is the
-/// one that the certificate names; the bound of every step, and the sum of these; how far attributes are off. Normals,
-/// texture coordinates and colours of which it says nothing are compared with those of the input, too. The verdict is
-/// [`ClaimVerdict::Proved`] where every claim holds, [`ClaimVerdict::Refuted`] where one is wrong, else
+/// The certificate is that in the file, or `given`: a report, or the certificate of one, for formats that hold none. Only
+/// the judges of `chordal::check` are used; nothing is built again. Claims are: the seal over the certificate; the digest
+/// of the geometry; the counts of the output, and whether it is closed and manifold; that an input is the one named in the
+/// certificate; the bound of every step, and their sum; the deviations of attributes. Normals, texture coordinates and
+/// colours without facts in the certificate are compared with those of the input, too. The verdict is
+/// [`ClaimVerdict::Proved`] if every claim holds, [`ClaimVerdict::Refuted`] if one is wrong, otherwise
 /// [`ClaimVerdict::Open`].
 ///
-/// Cost: that of [`crate::deviation()`] for each step.
+/// Cost: [`crate::deviation()`] for each step.
 ///
 /// # Errors
-/// [`MeshFailure::Usage`] where there is no certificate; [`MeshFailure::Cancelled`].
+/// [`MeshFailure::Usage`] if there is no certificate; [`MeshFailure::Cancelled`].
 ///
 /// ```
 /// use chordal_io::Format;
@@ -62,9 +62,9 @@ pub fn verify(
     verify_levels((out, &[]), given, against, job)
 }
 
-/// As [`verify`], of a glTF whose coarser levels of detail were read as well: the first of them by
-/// [`Limits::level`](chordal_io::Limits::level) 1, and so on for all of [`n_coarser_levels`]. What each level claims is
-/// re-proved; without them it stays open.
+/// As [`verify`], for a glTF whose coarser levels of detail were read as well: the first of them by
+/// [`Limits::level`](chordal_io::Limits::level) 1, and so on for all of [`n_coarser_levels`]. The claims of each level are
+/// re-proved; without the levels they stay open.
 ///
 /// # Errors
 /// As for [`verify`].
@@ -82,8 +82,8 @@ pub fn verify_levels(
         return Err(MeshFailure::Usage(message.into()));
     };
     if let (Some(given), Some(embedded)) = (given, embedded) {
-        // Levels of detail in one file carry less than the report, and the same history.
-        let [given, embedded] = [given, embedded].map(|of| of.get("history").map(seal_of));
+        // Levels of detail in one file have fewer facts than the report, but the same history.
+        let [given, embedded] = [given, embedded].map(|certificate| certificate.get("history").map(seal_of));
         if given == embedded {
             claims.prove("certificate");
         } else {
@@ -96,7 +96,7 @@ pub fn verify_levels(
     Ok(VerifyReport::new(claims, unchecked::unchecked(certificate)))
 }
 
-/// A file, what it claims, and the files that it was made of.
+/// A file, its certificate, and the files that it was built from.
 struct CertifiedFile<'a> {
     file: &'a Input,
     certificate: &'a Value,
@@ -124,12 +124,12 @@ fn check_file(
             ProvedSteps { name: HISTORY, out, frame, certificate, baked, witness, history, against, job }
                 .check(claims)?;
         }
-        Err(why) => claims.open("history", why),
+        Err(reason) => claims.open("history", reason),
     }
     Ok(())
 }
 
-/// How many coarser levels of detail a file has beside the one that was read.
+/// The number of coarser levels of detail that a file has beside the one that was read.
 #[must_use]
 pub fn n_coarser_levels(file: &Input) -> usize {
     match &file.shape {
@@ -138,8 +138,8 @@ pub fn n_coarser_levels(file: &Input) -> usize {
     }
 }
 
-/// The inputs that the certificate of `out`, or the report that is `given` in its place, names: which files to verify
-/// against, and as which kinds of shapes they were read.
+/// The inputs that are named by the certificate of `out`, or by the report that is `given` in its place: the files to verify
+/// against, with the kinds of shapes as which they were read.
 ///
 /// ```
 /// use chordal_verbs::{FormatHint, inputs_to_verify, load};
@@ -154,7 +154,7 @@ pub fn inputs_to_verify(out: &Input, given: Option<&Value>) -> Vec<StepInput> {
     history.iter().flat_map(HistoryFacts::inputs).cloned().collect()
 }
 
-/// The certificate in a report, or what is one itself.
+/// The certificate in a report, or the value itself if it is a certificate.
 fn in_report(report: &Value) -> &Value {
     report.get("certificate").unwrap_or(report)
 }
@@ -170,7 +170,7 @@ fn check_seal(certificate: &Value, claims: &mut ClaimList) {
     }
 }
 
-/// The frame that the certificate states is one, and the file can be in it.
+/// Checks that the certificate states a valid frame, and that the file can be in it.
 fn check_frame(out: &Input, certificate: &Value, claims: &mut ClaimList) {
     let stated = certificate.get("frame").unwrap_or(&Value::Null);
     let is_axis = |up: &Value| up.is_null() || up == "y" || up == "z";
@@ -192,7 +192,7 @@ fn check_frame(out: &Input, certificate: &Value, claims: &mut ClaimList) {
     }
 }
 
-/// Three numbers.
+/// A point from its three coordinates.
 fn point(value: &Value) -> Option<[f64; 3]> {
     serde_json::from_value(value.clone()).ok()
 }
@@ -200,7 +200,7 @@ fn point(value: &Value) -> Option<[f64; 3]> {
 /// The history in a certificate, if it can be read.
 fn history(certificate: &Value) -> Result<HistoryFacts, &'static str> {
     let history = certificate.get("history").filter(|history| !history.is_null());
-    let history = history.ok_or("the certificate has no history, as those of earlier versions have none")?;
+    let history = history.ok_or("the certificate has no history, like those of earlier versions")?;
     let history: HistoryFacts =
         serde_json::from_value(history.clone()).map_err(|_| "the history cannot be read")?;
     if history.steps.is_empty() { Err("the history has no step") } else { Ok(history) }
@@ -212,14 +212,14 @@ fn check_geometry(
     history: &HistoryFacts,
     claims: &mut ClaimList,
 ) -> Result<(), MeshFailure> {
-    let said = history.steps.last().and_then(|step| step.output.geometry.as_ref());
+    let stated = history.steps.last().and_then(|step| step.output.geometry.as_ref());
     let frame = stated_frame(certificate);
-    let found = digest_in_frame(&out.shape, out.format, &frame)?;
-    match (said, found) {
-        (Some(said), Some(found)) => claims.decide(
+    let actual = digest_in_frame(&out.shape, out.format, &frame)?;
+    match (stated, actual) {
+        (Some(stated), Some(actual)) => claims.decide(
             "geometry",
-            *said == found,
-            "the file holds another geometry than the certificate speaks of: it was changed afterwards",
+            *stated == actual,
+            "the file holds another geometry than in the certificate: it was changed afterwards",
         ),
         (None, _) => claims.open(
             "geometry",
@@ -232,11 +232,11 @@ fn check_geometry(
     Ok(())
 }
 
-/// The last step and the certificate say the same in two places.
+/// Checks that the last step and the certificate, which have some facts in common, agree.
 fn check_last_step(certificate: &Value, history: &HistoryFacts, claims: &mut ClaimList) {
     let Some(last) = history.steps.last() else { return };
-    let own = |at: &str| certificate.pointer(at).cloned().unwrap_or(Value::Null);
-    let is_same_bound = match (&last.bound, own("/bound")) {
+    let fact = |at: &str| certificate.pointer(at).cloned().unwrap_or(Value::Null);
+    let is_same_bound = match (&last.bound, fact("/bound")) {
         (None, Value::Null) => true,
         (Some(bound), facts) => is_same_bound(bound, &facts),
         _ => false,
@@ -247,10 +247,10 @@ fn check_last_step(certificate: &Value, history: &HistoryFacts, claims: &mut Cla
         "the last step of the history has another bound than the certificate",
     );
     if let ([input], None) = (&last.inputs[..], &last.composed) {
-        let is_same = own("/input/sha256").as_str() == input.sha256.as_deref()
-            && own("/input/kind") == input.kind.as_str()
-            && own("/input/format") == input.format.as_str()
-            && digests_of(&own("/input/files")) == input.files;
+        let is_same = fact("/input/sha256").as_str() == input.sha256.as_deref()
+            && fact("/input/kind") == input.kind.as_str()
+            && fact("/input/format") == input.format.as_str()
+            && digests_of(&fact("/input/files")) == input.files;
         claims.decide(
             "history/last/input",
             is_same,
@@ -265,10 +265,10 @@ fn digests_of(files: &Value) -> Vec<&str> {
     files.map(|file| file.get("sha256").and_then(Value::as_str).unwrap_or("")).collect()
 }
 
-/// Whether a step's bound says what the facts of a certificate's bound say.
+/// Whether the values of a step's bound are those of a certificate's bound.
 fn is_same_bound(bound: &StepBound, facts: &Value) -> bool {
-    let said = serde_json::to_value(bound).unwrap_or_default();
+    let stated = serde_json::to_value(bound).unwrap_or_default();
     let is_same =
         |(key, value): (&String, &Value)| facts.get(key).is_some_and(|fact| seal_of(fact) == seal_of(value));
-    said.as_object().is_some_and(|said| said.iter().all(is_same))
+    stated.as_object().is_some_and(|stated| stated.iter().all(is_same))
 }

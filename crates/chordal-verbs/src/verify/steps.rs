@@ -1,6 +1,6 @@
-//! The steps of a history, proved again one by one, and their sum.
+//! Proves the steps of a history again one by one, and their sum.
 use super::attributes::AttributeJudge;
-use super::bound_judge::{BoundJudge, JudgedBound, LookLimit};
+use super::bound_judge::{BoundJudge, JudgeLimit, JudgedBound};
 use super::claims::{ClaimFacts, ClaimList, ClaimVerdict};
 use super::composed_reference::ComposedReference;
 use crate::geometry_digest::{digest_in_frame, geometry_digest};
@@ -14,29 +14,29 @@ use chordal_io::Frame;
 use serde_json::Value;
 use std::cell::OnceCell;
 
-/// What the claims about the history of a file are called; those about histories in it begin so.
+/// The name of the claims about the history of a file; names of claims about nested histories begin with it.
 pub(super) const HISTORY: &str = "history";
 
-/// A history, and the files that it speaks of.
+/// A history, and the files to which it refers.
 pub(super) struct ProvedSteps<'a> {
-    /// What the claims about it are called.
+    /// The name of the claims about it.
     pub name: &'a str,
-    /// What the last step wrote.
+    /// The file that the last step wrote.
     pub out: &'a Input,
     /// The frame of its lengths.
     pub frame: Frame,
-    /// Its certificate; `None` where only its history is known.
+    /// Its certificate; `None` if only its history is known.
     pub certificate: Option<&'a Value>,
-    /// What its certificate says of a baked grid.
+    /// The facts of its certificate about a baked grid.
     pub baked: Option<&'a Value>,
-    /// Where its certificate says that the last step lost most.
+    /// The point at which the last step lost most, according to its certificate.
     pub witness: Option<[f64; 3]>,
     pub history: &'a HistoryFacts,
     pub against: &'a [GivenFile<'a>],
     pub job: &'a Job,
 }
 
-/// A file that was given.
+/// A file to verify against.
 pub(super) struct GivenFile<'a> {
     file: &'a Input,
     geometry: OnceCell<Option<String>>,
@@ -47,50 +47,50 @@ impl<'a> GivenFile<'a> {
         Self { file, geometry: OnceCell::new() }
     }
 
-    /// Whether it is one that a step names: by its bytes, or by its geometry for an input that never was a file.
+    /// Whether it is the input that a step names: by its bytes, or by its geometry for an input that was never a file.
     fn is(&self, input: &StepInput) -> bool {
         let geometry = || self.geometry.get_or_init(|| geometry_digest(&self.file.shape).ok().flatten());
         let is_of_kind = input.kind == self.file.shape.kind();
         match input.sha256.as_deref() {
-            // It may be any: whether it is the one, the judge of the bound says.
+            // Without a digest it may be any file of the kind: the judge of the bound decides.
             None => is_of_kind,
-            said => self.file.sha256() == said || is_of_kind && geometry().as_deref() == said,
+            stated => self.file.sha256() == stated || is_of_kind && geometry().as_deref() == stated,
         }
     }
 }
 
-/// What a step read, and what it wrote.
+/// The input and the output of a step.
 struct StepEnds<'a> {
     read: &'a Input,
     written: &'a Input,
-    /// Where inputs were put together: what that may round, and what putting them together again may.
+    /// If inputs were put together: the rounding of that, and the rounding of putting them together again.
     rounding: [f64; 2],
-    /// Where the step is said to have lost most.
+    /// The point at which the step lost most, according to the certificate.
     witness: Option<[f64; 3]>,
 }
 
 impl<'a> ProvedSteps<'a> {
     pub fn check(&self, claims: &mut ClaimList) -> Result<(), MeshFailure> {
-        // The sum of the bounds, and that each step goes on where the one before it ended.
+        // The sum of the bounds, and that each step continues the one before it.
         let flaw = self.history.flaw();
-        let holds_together = flaw.is_none();
-        claims.decide("history/total", holds_together, &flaw.unwrap_or_default());
+        let is_consistent = flaw.is_none();
+        claims.decide("history/total", is_consistent, &flaw.unwrap_or_default());
         self.check_files(claims);
         self.check_start(claims)?;
-        if holds_together {
+        if is_consistent {
             self.check_steps(claims)?;
             self.check_total(claims)?;
         }
         Ok(())
     }
 
-    /// The history goes back as far as the certificate of its first input does.
+    /// Checks that the history goes back as far as the certificate of its first input.
     fn check_start(&self, claims: &mut ClaimList) -> Result<(), MeshFailure> {
         let HistoryFacts { steps, begins, .. } = self.history;
         let claim = format!("{}/begins", self.name);
         match steps.first() {
             Some(first) if first.composed.is_some() => {
-                let reason = "its first step read what was put together, and the history says otherwise";
+                let reason = "its first step read a composition, and the history states otherwise";
                 claims.decide(&claim, begins.code == "composed", reason);
             }
             Some(first) => {
@@ -127,8 +127,8 @@ impl<'a> ProvedSteps<'a> {
                 let frame = self.frame_of(written, next.is_none());
                 composed = match ComposedReference::new(facts, &parts, frame, self.job)? {
                     Ok(composed) => composed,
-                    Err(why) => {
-                        claims.open(&name, why);
+                    Err(reason) => {
+                        claims.open(&name, reason);
                         continue;
                     }
                 };
@@ -136,7 +136,7 @@ impl<'a> ProvedSteps<'a> {
                     let reason = "more was rounded on the way than this map and these coordinates explain";
                     claims.open(&format!("{name}/composed/rounding"), reason);
                 }
-                let rounding = [facts.rounding, composed.off];
+                let rounding = [facts.rounding, composed.nodes_rounding];
                 StepEnds { read: &composed.input, written, rounding, witness }
             } else if let [input] = &step.inputs[..] {
                 let Some(read) = self.find_input(input) else {
@@ -167,7 +167,7 @@ impl<'a> ProvedSteps<'a> {
                 super::baked::check_baked(baked, (ends.read, written), ends.rounding, claims, self.job)?;
             }
             if let Some(certificate) = self.certificate.filter(|_| next.is_none()) {
-                // What was put together stands in the frame that the certificate states.
+                // The input was put together in the frame that the certificate states, so that it confirms nothing.
                 let stating = [Some(written), Some(ends.read).filter(|_| step.composed.is_none())];
                 pass_frame(&frame, stating, claims);
                 let bound = step.bound.as_ref().and_then(|bound| bound.at_most).unwrap_or(0.0);
@@ -178,16 +178,16 @@ impl<'a> ProvedSteps<'a> {
                     .check(claims)?;
             }
         }
-        // What nobody looked at in a step nobody looked at in the sum.
+        // If a lower end in a step is unchecked, so is that in the sum.
         let path = path_of(self.name);
-        let is_said = self.history.total.as_ref().is_some_and(|total| total.at_least > 0.0);
-        if is_said && claims.has_passed(&format!("{path}/steps/")) {
+        let has_lower_end = self.history.total.as_ref().is_some_and(|total| total.at_least > 0.0);
+        if has_lower_end && claims.has_passed(&format!("{path}/steps/")) {
             claims.pass(format!("{path}/total/at_least"));
         }
         Ok(())
     }
 
-    /// The inputs that a step put together, each with its own history proved; `None` where one was not given.
+    /// The inputs that a step put together, each with its own history proved; `None` if one was not given.
     fn parts_of(
         &self,
         name: &str,
@@ -202,15 +202,15 @@ impl<'a> ProvedSteps<'a> {
                 continue;
             };
             parts.push(part);
-            let own = format!("{name}/origins/{k}");
+            let name_of_part = format!("{name}/origins/{k}");
             let Some(last) = origin.steps.last() else {
-                check_beginning(&format!("{own}/begins"), &origin.begins, (part, None), claims);
+                check_beginning(&format!("{name_of_part}/begins"), &origin.begins, (part, None), claims);
                 continue;
             };
-            self.check_link(&own, last, part, claims)?;
+            self.check_link(&name_of_part, last, part, claims)?;
             let frame = self.frame_of(part, false);
-            let own = ProvedSteps {
-                name: &own,
+            let origin_steps = ProvedSteps {
+                name: &name_of_part,
                 out: part,
                 frame,
                 certificate: None,
@@ -219,13 +219,13 @@ impl<'a> ProvedSteps<'a> {
                 history: origin,
                 ..*self
             };
-            own.check_start(claims)?;
-            own.check_steps(claims)?;
+            origin_steps.check_start(claims)?;
+            origin_steps.check_steps(claims)?;
         }
         Ok((parts.len() == step.inputs.len()).then_some(parts))
     }
 
-    /// Every file that was given is one that the history names, with the files beside it.
+    /// Checks that every given file is one that the history names, with the same files beside it.
     fn check_files(&self, claims: &mut ClaimList) {
         let inputs = self.history.inputs();
         for given in self.against {
@@ -234,32 +234,32 @@ impl<'a> ProvedSteps<'a> {
             let beside: Vec<&String> = file.files.iter().map(|file| &file.sha256).collect();
             let short = short(file.sha256());
             if named.is_empty() && inputs.iter().all(|input| self.find_input(input).is_some()) {
-                // It is one more than is needed.
+                // An additional file that is not needed.
                 continue;
             }
             if named.is_empty() {
                 let kind = file.shape.kind();
                 let reason = format!(
-                    "the certificate is of another input: it names none with {short}, the {kind} to verify against"
+                    "the certificate is for another input: it names none with {short}, the {kind} to verify against"
                 );
                 claims.refute("input", reason);
             } else if named.iter().any(|input| input.files.iter().collect::<Vec<_>>() != beside) {
-                claims.refute("input", format!("the files beside the input with {short} are other ones"));
+                claims.refute("input", format!("the files beside the input with {short} are different"));
             } else {
                 claims.prove("input");
             }
         }
     }
 
-    /// The file that a step read, by the digest of its bytes.
+    /// The file that a step read, by its digest.
     fn find_input(&self, input: &StepInput) -> Option<&'a Input> {
-        let mut found = self.against.iter().filter(|given| given.is(input)).map(|given| given.file);
-        let first = found.next();
-        // Of several without a digest nobody knows which it is.
-        first.filter(|_| input.sha256.is_some() || found.next().is_none())
+        let mut matching = self.against.iter().filter(|given| given.is(input)).map(|given| given.file);
+        let first = matching.next();
+        // Without a digest, a choice among several files is not known.
+        first.filter(|_| input.sha256.is_some() || matching.next().is_none())
     }
 
-    /// The file between two steps holds the geometry that the first of them wrote.
+    /// Checks that the file between two steps holds the geometry that the first step wrote.
     fn check_link(
         &self,
         name: &str,
@@ -268,8 +268,8 @@ impl<'a> ProvedSteps<'a> {
         claims: &mut ClaimList,
     ) -> Result<(), MeshFailure> {
         let frame = self.frame_of(written, false);
-        let found = digest_in_frame(&written.shape, written.format, &frame)?;
-        let holds = found.is_some() && found == step.output.geometry;
+        let digest = digest_in_frame(&written.shape, written.format, &frame)?;
+        let holds = digest.is_some() && digest == step.output.geometry;
         let claim = format!("{name}/output");
         claims.decide(&claim, holds, "the next step read a file with another geometry than this one wrote");
         Ok(())
@@ -282,7 +282,7 @@ impl<'a> ProvedSteps<'a> {
         embedded_certificate(&written.shape).map_or(Frame::default(), stated_frame)
     }
 
-    /// Whether all of the bound was decided on, or is open: its lower end may neither be shown nor be excluded.
+    /// Checks the bound of a step. Returns false if the upper end was decided but the lower end could not be.
     fn check_bound(
         &self,
         name: &str,
@@ -301,37 +301,37 @@ impl<'a> ProvedSteps<'a> {
                 "the certificate states another unit or another axis that is up than its input",
             );
         }
-        let Some(said) = &step.bound else { return Ok(true) };
-        let Some(bound) = said.bound() else {
-            claims.refute(&claim, "what the certificate says is no bound");
+        let Some(stated) = &step.bound else { return Ok(true) };
+        let Some(bound) = stated.bound() else {
+            claims.refute(&claim, "the bound in the certificate is not valid");
             return Ok(true);
         };
-        // Of what was put together and rounded, from what is put together and rounded now.
+        // The bound is against a composition with its own rounding, and the judge has another composition.
         let bound = widened(&bound, ends.rounding);
         let judge = BoundJudge::new([ends.read, ends.written], frame, self.job);
-        let (found, is_cut_short) = judge.judge_within(LookLimit::OF_CLAIM, &bound)?;
-        let least = found.at_least();
-        claims.add(verdict_on(claim.clone(), said, &bound, (found, is_cut_short)));
+        let (judged, is_cut_short) = judge.judge_within(JudgeLimit::OF_CLAIM, &bound)?;
+        let least = judged.at_least();
+        claims.add(verdict_on(claim.clone(), stated, &bound, (judged, is_cut_short)));
         check_least(&format!("{claim}/at_least"), &bound, (least, judge, ends.witness), claims)
     }
 
-    /// The distance between the ends of a chain is no more than the sum of its steps.
+    /// Checks that the distance between the ends of a chain is no more than the sum of its steps.
     fn check_total(&self, claims: &mut ClaimList) -> Result<(), MeshFailure> {
         let HistoryFacts { steps, total, .. } = self.history;
         let (Some(total), Some([first])) = (total, steps.first().map(|step| &step.inputs[..])) else {
             return Ok(());
         };
-        // What was moved is elsewhere.
+        // The first input was moved, so that the distance to it is a different one.
         let is_moved = steps[0].composed.is_some();
         let Some(read) = self.find_input(first).filter(|_| steps.len() > 1 && !is_moved) else {
             return Ok(());
         };
         let Some(bound) = total.bound() else { return Ok(()) };
         let judge = BoundJudge::new([read, self.out], &self.frame, self.job);
-        let found = judge.judge_within(LookLimit::OF_CLAIM, &bound)?;
-        let facts = verdict_on("history/total/direct".to_owned(), total, &bound, found);
-        // Steps that were proved one by one prove the sum; that the ends are no farther apart is a second look,
-        // and where no judge sees that far there is none.
+        let judged = judge.judge_within(JudgeLimit::OF_CLAIM, &bound)?;
+        let facts = verdict_on("history/total/direct".to_owned(), total, &bound, judged);
+        // The steps alone prove the sum. This check of the ends is an additional one, and if no judge can decide it, it is
+        // left out.
         if facts.verdict != ClaimVerdict::Open {
             claims.add(facts);
         }
@@ -339,43 +339,43 @@ impl<'a> ProvedSteps<'a> {
     }
 }
 
-/// What is claimed at least: by what the judge of the upper end knows, by the point where most was lost, and by one closer look.
-/// Whether it was shown, excluded, or is open with the bound; a closer look may cost far more than the work.
+/// Checks the claimed lower end: by the judge of the upper end, by the point where most was lost, and by one more precise
+/// check. Returns whether it was decided; a still more precise check may cost far more than the work on the result.
 fn check_least(
     claim: &str,
-    said: &Bound,
-    (known, judge, witness): (Option<f64>, BoundJudge<'_>, Option<[f64; 3]>),
+    claimed: &Bound,
+    (shown, judge, witness): (Option<f64>, BoundJudge<'_>, Option<[f64; 3]>),
     claims: &mut ClaimList,
 ) -> Result<bool, MeshFailure> {
-    /// The share by which both ends may differ; chosen, that of `deviation`. A hundredth took minutes for limit surfaces and
-    /// fields of which the step took seconds.
+    /// The share by which both ends may differ. Chosen: that of `deviation`; a hundredth took minutes for limit surfaces
+    /// and fields whose step took seconds.
     const CLOSER: f64 = 0.1;
-    /// Judges of the same points round otherwise, see `with_room` of simplified triangles.
-    const ROOM: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
-    let Some(mut known) = known.filter(|_| said.at_least() > 0.0) else { return Ok(true) };
-    let needed = ROOM * said.at_least();
-    if let Some(p) = witness.filter(|_| known < needed) {
-        known = greater(judge.seen_from(p, said)?.unwrap_or(0.0), known);
+    /// Judges of the same points round differently, see `with_margin` for simplified triangles.
+    const MARGIN: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
+    let Some(mut shown) = shown.filter(|_| claimed.at_least() > 0.0) else { return Ok(true) };
+    let needed = MARGIN * claimed.at_least();
+    if let Some(p) = witness.filter(|_| shown < needed) {
+        shown = greater(judge.seen_from(p, claimed)?.unwrap_or(0.0), shown);
     }
-    if known < needed
+    if shown < needed
         && let (JudgedBound::Between(judged), _) =
-            judge.closely(CLOSER).judge_within(LookLimit::CLOSER, said)?
+            judge.closely(CLOSER).judge_within(JudgeLimit::CLOSER, claimed)?
     {
-        if let Some(most) = judged.at_most().filter(|most| *most < said.at_least()) {
+        if let Some(most) = judged.at_most().filter(|most| *most < claimed.at_least()) {
             let reason = format!("the shapes are no more than {most:?} apart, less than is claimed at least");
             claims.refute(claim, reason);
             return Ok(true);
         }
-        known = greater(judged.at_least(), known);
+        shown = greater(judged.at_least(), shown);
     }
-    let is_shown = known >= needed;
+    let is_shown = shown >= needed;
     if is_shown {
         claims.prove(claim);
     }
     Ok(is_shown)
 }
 
-/// What a certificate says of its frame is left unchecked where neither the file nor what it was made of says it.
+/// Lists the stated frame as unchecked if neither the file nor its input states one.
 fn pass_frame(stated: &Frame, stating: [Option<&Input>; 2], claims: &mut ClaimList) {
     let frames: Vec<&Frame> = stating.into_iter().flatten().map(|input| input.shape.frame()).collect();
     if stated.up.is_some() && frames.iter().all(|frame| frame.up.is_none()) {
@@ -386,43 +386,45 @@ fn pass_frame(stated: &Frame, stating: [Option<&Input>; 2], claims: &mut ClaimLi
     }
 }
 
-/// The path in the certificate of what a claim is about.
+/// The path in the certificate of the subject of a claim.
 fn path_of(claim: &str) -> String {
     claim.replace("/origins/", "/composed/origins/")
 }
 
-/// So many times what one rounding of the map costs may have been rounded on the way: at each move, and it is looked at from both
-/// sides. Chosen: some twenty moves; still far below what anybody sees.
+/// How many times the rounding of one map may have been rounded altogether: at each move, and in the comparison from both
+/// sides. Chosen: some twenty moves; still far too small to be seen.
 const MOST_ROUNDED: f64 = 64.0;
 
-/// A digest in short.
+/// A short form of a digest.
 fn short(sha256: Option<&str>) -> String {
-    /// Digits that are shown; chosen.
+    /// Digits that are shown. Chosen: enough to tell files apart.
     const SHORT: usize = 12;
-    sha256.map_or("no digest".to_owned(), |all| format!("SHA-256 {}…", all.get(..SHORT).unwrap_or(all)))
+    sha256.map_or("no digest".to_owned(), |digest| {
+        format!("SHA-256 {}…", digest.get(..SHORT).unwrap_or(digest))
+    })
 }
 
-/// Why a history has no step before that of an input: what its certificate says is looked at again.
+/// Checks the reason why a history has no step before an input, by the certificate of the input.
 fn check_beginning(
     claim: &str,
     begins: &HistoryStart,
     (read, next): (&Input, Option<&StepFacts>),
     claims: &mut ClaimList,
 ) {
-    /// What depends on how the input was read as well, or on how much a file holds: nothing of that is in the files.
+    /// Reasons that also depend on how the input was read, or on how much a file holds, which the files do not show.
     const BY_READING: [&str; 9] =
         ["seal", "unreadable", "geometry", "unit", "kind", "surface", "bound", "several-inputs", "long"];
     let origin = InputOrigin::from_input(read);
     let broken = origin.steps.last().zip(next).and_then(|(before, next)| gap(before, next));
-    let found = if origin.steps.is_empty() { Some(origin.begins.code) } else { broken.map(|gap| gap.code) };
-    if found.as_deref() == Some(&begins.code[..]) {
+    let actual = if origin.steps.is_empty() { Some(origin.begins.code) } else { broken.map(|gap| gap.code) };
+    if actual.as_deref() == Some(&begins.code[..]) {
         claims.prove(claim);
     } else if BY_READING.contains(&&begins.code[..]) {
         let reason = format!("that it begins there because of '{}' was not seen in the input", begins.code);
         claims.open(claim, reason);
-    } else if let Some(found) = found {
+    } else if let Some(actual) = actual {
         let reason =
-            format!("the history begins there by another reason: '{found}' and not '{}'", begins.code);
+            format!("the history begins there for another reason: '{actual}' and not '{}'", begins.code);
         claims.refute(claim, reason);
     } else {
         let n = origin.steps.len();
@@ -431,19 +433,21 @@ fn check_beginning(
     }
 }
 
-/// The files are of the kinds that the step names, and its bound is against a shape of such a kind.
+/// Checks that the files are of the kinds that the step names, and its bound is against a shape of that kind.
 fn check_kinds(name: &str, step: &StepFacts, (read, written): (&Input, &Input), claims: &mut ClaimList) {
-    let said = step.inputs.first().map_or("", |input| &input.kind);
+    let stated = step.inputs.first().map_or("", |input| &input.kind);
     let kind = read.shape.kind();
-    if said != kind {
-        let reason = format!("the step read its input as {said}, and it was read as {kind} now");
+    if stated != kind {
+        let reason = format!("the step read its input as {stated}, and it was read as {kind} now");
         claims.refute(&format!("{name}/input"), reason);
     }
-    // A reader may cut polygons into triangles, which the judge of the bound then says.
-    let (said, found) = (&step.output.kind[..], written.shape.kind());
-    if said != found && (said, found) != ("cage", "triangles") {
-        claims
-            .refute(&format!("{name}/output"), format!("the step wrote {said}, and the file holds {found}"));
+    // A reader may cut polygons into triangles; the judge of the bound accounts for that.
+    let (stated, actual) = (&step.output.kind[..], written.shape.kind());
+    if stated != actual && (stated, actual) != ("cage", "triangles") {
+        claims.refute(
+            &format!("{name}/output"),
+            format!("the step wrote {stated}, and the file holds {actual}"),
+        );
     }
     let reference = match (kind, written.shape.kind()) {
         ("triangles", _) => "input triangles",
@@ -452,7 +456,7 @@ fn check_kinds(name: &str, step: &StepFacts, (read, written): (&Input, &Input), 
         ("field", _) => "field",
         ("volume", _) => "trilinear interpolant",
         ("drawing" | "curves", _) => "curves",
-        // Polygons that stay polygons are those that were read, and else they stand for their limit surface.
+        // Polygons that stay polygons are compared with the polygons; otherwise they represent their limit surface.
         ("cage", "cage") => "input triangles",
         ("cage", _) => "limit surface",
         _ => return,
@@ -468,43 +472,43 @@ fn check_kinds(name: &str, step: &StepFacts, (read, written): (&Input, &Input), 
     }
 }
 
-/// Why a claim stays open whose judge used up its work.
+/// The reason of a claim that stays open because its judge used up its work.
 const CUT_SHORT: &str =
-    "it was not checked to its end, which takes more than a look may take: the best effort has no limit";
+    "it was not checked to its end, which takes more work than is allowed: the best effort has no limit";
 
-/// What a judged distance says of a claimed bound.
+/// The verdict on a claimed bound by a judged distance.
 fn verdict_on(
     claim: String,
-    said: &StepBound,
+    stated: &StepBound,
     bound: &Bound,
-    (found, is_cut_short): (JudgedBound, bool),
+    (judged, is_cut_short): (JudgedBound, bool),
 ) -> ClaimFacts {
-    let claimed = said.at_most;
-    let (verdict, reason, found) = match found {
-        JudgedBound::Unable(why) => (ClaimVerdict::Open, Some(why), None),
-        JudgedBound::Between(judged) => {
-            let ends = Some((judged.at_least(), judged.at_most()));
-            let (verdict, reason) = match compare(bound, &judged) {
+    let claimed = stated.at_most;
+    let (verdict, reason, ends) = match judged {
+        JudgedBound::Unable(reason) => (ClaimVerdict::Open, Some(reason), None),
+        JudgedBound::Between(enclosed) => {
+            let ends = Some((enclosed.at_least(), enclosed.at_most()));
+            let (verdict, reason) = match compare(bound, &enclosed) {
                 (ClaimVerdict::Open, _) if is_cut_short => (ClaimVerdict::Open, Some(CUT_SHORT.to_owned())),
-                found => found,
+                decided => decided,
             };
             (verdict, reason, ends)
         }
     };
-    ClaimFacts { claim, verdict, reason, claimed, found }
+    ClaimFacts { claim, verdict, reason, claimed, found: ends }
 }
 
-fn compare(said: &Bound, judged: &Bound) -> (ClaimVerdict, Option<String>) {
+fn compare(claimed: &Bound, judged: &Bound) -> (ClaimVerdict, Option<String>) {
     let (least, most) = (judged.at_least(), judged.at_most());
     let refuted = |reason: String| (ClaimVerdict::Refuted, Some(reason));
     let open = |reason: &str| (ClaimVerdict::Open, Some(reason.to_owned()));
-    if most.is_some_and(|most| most < said.at_least()) {
+    if most.is_some_and(|most| most < claimed.at_least()) {
         return refuted(format!(
             "the shapes are no more than {most:?} apart, less than is claimed at least",
             most = most.unwrap_or(0.0)
         ));
     }
-    let Some(limit) = said.at_most() else {
+    let Some(limit) = claimed.at_most() else {
         return open("the certificate claims no upper bound, so that there is nothing to prove");
     };
     if least > limit {
@@ -513,9 +517,11 @@ fn compare(said: &Bound, judged: &Bound) -> (ClaimVerdict, Option<String>) {
     if most.is_none_or(|most| most > limit) {
         return open("the judge could not prove that the shapes are as close as is claimed");
     }
-    let is_as_strong = match (said.evidence(), judged.evidence()) {
+    let is_as_strong = match (claimed.evidence(), judged.evidence()) {
         (_, Evidence::Proved) => true,
-        (Evidence::ProvedIf(said), Evidence::ProvedIf(needs)) => needs.iter().all(|need| said.contains(need)),
+        (Evidence::ProvedIf(stated), Evidence::ProvedIf(needs)) => {
+            needs.iter().all(|need| stated.contains(need))
+        }
         _ => false,
     };
     if !is_as_strong {
@@ -530,14 +536,15 @@ fn not_given(step: &StepFacts, input: &StepInput) -> String {
             format!("the input of {}, with {}, was not given", words_of(step), short(Some(sha256)))
         }
         None => format!(
-            "the input of {} has no digest, so that it can only be known where one {} is given",
+            "the input of {} has no digest, so that it can only be identified if just one {} is given",
             words_of(step),
             input.kind
         ),
     }
 }
 
-/// A bound of a result against triangles that lie `rounding` from exact ones, as one against others that lie `again` from these.
+/// Converts a bound against triangles that are `rounding` away from the exact ones into a bound against triangles that are
+/// `again` away from the exact ones.
 fn widened(bound: &Bound, [rounding, again]: [f64; 2]) -> Bound {
     if rounding == 0.0 && again == 0.0 {
         return bound.clone();

@@ -1,13 +1,13 @@
-//! What a certificate says that is not looked at.
+//! The facts of a certificate that are not checked.
 use super::claims::ClaimList;
 use serde_json::Value;
 
-/// The facts of a certificate of which something is proved or counted again, or which is a claim that stays open.
+/// The facts of a certificate that are proved or counted again, at least in part, or are claims that stay open.
 const CHECKED: [&str; 9] =
     ["input", "frame", "bound", "output", "valid", "attributes", "baked", "history", "seal"];
 
-/// Facts that say how a result came about, and not what it is: nothing is proved of them.
-const TOLD: [&str; 10] = [
+/// Facts about how a result was built, and not about the result itself: they are not checked.
+const ORIGIN_FACTS: [&str; 10] = [
     "version",
     "budget",
     "notes",
@@ -20,8 +20,8 @@ const TOLD: [&str; 10] = [
     "levels",
 ];
 
-/// Parts of the others that are not looked at.
-const PARTS: [&str; 8] = [
+/// Parts of the other facts that are not checked.
+const UNCHECKED_PARTS: [&str; 8] = [
     "/input/letters",
     "/input/warnings",
     "/bound/pixels",
@@ -32,12 +32,11 @@ const PARTS: [&str; 8] = [
     "/baked/bricks",
 ];
 
-/// What is in a history without being looked at, wherever it stands: words, and how many samples were taken, of which a judge
-/// needs none.
-const WORDS: [&str; 4] = ["verb", "version", "reason", "samples"];
+/// Keys in a history that are not checked, at any place: words, and the number of samples, which a judge does not need.
+const UNCHECKED_KEYS: [&str; 4] = ["verb", "version", "reason", "samples"];
 
-/// The facts of the groups that are looked at one by one; those of others are compared with all that was counted, and a
-/// history with more cannot be read.
+/// The facts of the groups whose facts are checked one by one. In the other groups all facts are compared with counts, and a
+/// history with more facts cannot be read.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("/input", &["kind", "format", "letters", "sha256", "files", "warnings"]),
     ("/frame", &["up", "metres_per_unit"]),
@@ -76,66 +75,70 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ("/baked/interpolant", &["at_most", "evidence", "of"]),
 ];
 
-/// A fact that nobody knows may claim anything.
+/// Opens a claim for every unknown fact, which could claim anything.
 pub(super) fn check_known(certificate: &Value, claims: &mut ClaimList) {
-    let all = [&CHECKED[..], &TOLD].concat();
-    let of_all = [("", &all[..])];
-    for (group, known) in of_all.into_iter().chain(GROUPS) {
+    let top_level = [&CHECKED[..], &ORIGIN_FACTS].concat();
+    let top_group = [("", &top_level[..])];
+    for (group, known_keys) in top_group.into_iter().chain(GROUPS) {
         let members = certificate.pointer(group).and_then(Value::as_object).into_iter().flatten();
-        for (key, _) in members.filter(|(key, _)| !known.contains(&&key[..])) {
+        for (key, _) in members.filter(|(key, _)| !known_keys.contains(&&key[..])) {
             let claim = format!("{group}/{key}");
             claims.open(claim.trim_start_matches('/'), "a certificate of this version has no such fact");
         }
     }
 }
 
-/// What a certificate says and nobody looked at, as paths in it.
+/// The facts of a certificate that were not checked, as paths in it.
 pub(super) fn unchecked(certificate: &Value) -> Vec<String> {
-    let says = |value: &Value| match value {
+    let is_present = |value: &Value| match value {
         Value::Null => false,
         Value::Array(items) => !items.is_empty(),
         Value::Object(members) => !members.is_empty(),
         _ => true,
     };
-    let of_all = TOLD.iter().map(|key| format!("/{key}")).chain(PARTS.iter().map(|at| (*at).to_owned()));
-    // What was put together of files names them by their digests, and nothing else says what the last step was read from.
+    let listed = ORIGIN_FACTS
+        .iter()
+        .map(|key| format!("/{key}"))
+        .chain(UNCHECKED_PARTS.iter().map(|at| (*at).to_owned()));
+    // Inputs that were put together are known by their digests, so that the input of the last step has no check of its own.
     let steps = certificate.pointer("/history/steps").and_then(Value::as_array);
-    let is_put_together = |step: &Value| step.get("composed").is_some_and(says);
+    let is_put_together = |step: &Value| step.get("composed").is_some_and(is_present);
     let is_composed = steps.and_then(|steps| steps.last()).is_some_and(is_put_together);
-    let mut words = Vec::new();
+    let mut paths = Vec::new();
     for (k, step) in steps.into_iter().flatten().enumerate().filter(|(_, step)| is_put_together(step)) {
         let n_inputs = step.get("inputs").and_then(Value::as_array).map_or(0, Vec::len);
         let named = |i: usize| ["format", "kind"].map(|key| format!("/history/steps/{k}/inputs/{i}/{key}"));
-        words.extend((0..n_inputs).flat_map(named));
+        paths.extend((0..n_inputs).flat_map(named));
     }
     let files = certificate.pointer("/input/files").and_then(Value::as_array).map_or(0, Vec::len);
-    words.extend((0..files).map(|k| format!("/input/files/{k}/path")));
+    paths.extend((0..files).map(|k| format!("/input/files/{k}/path")));
     if let Some(history) = certificate.get("history") {
-        collect_words(history, "/history", &mut words);
+        collect_words(history, "/history", &mut paths);
     }
     let composed = is_composed.then(|| "/input".to_owned());
-    let present = of_all.chain(composed).filter(|at| certificate.pointer(at).is_some_and(says)).chain(words);
+    let present =
+        listed.chain(composed).filter(|at| certificate.pointer(at).is_some_and(is_present)).chain(paths);
     present.map(|at| at.trim_start_matches('/').to_owned()).collect()
 }
 
-/// The paths of words in a history and of the formats of what was written.
-fn collect_words(value: &Value, path: &str, found: &mut Vec<String>) {
+/// Adds the paths of unchecked keys in a history, and of the formats of files.
+fn collect_words(value: &Value, path: &str, paths: &mut Vec<String>) {
     match value {
         Value::Object(members) => {
-            for (key, own) in members {
+            for (key, member) in members {
                 let is_named = path.ends_with("/output") || path.contains("/origins/");
                 let is_format = key == "format" && is_named;
                 let is_kind = key == "kind" && path.contains("/origins/") && path.contains("/inputs/");
-                if is_format || is_kind || WORDS.contains(&&key[..]) {
-                    found.push(format!("{path}/{key}"));
+                if is_format || is_kind || UNCHECKED_KEYS.contains(&&key[..]) {
+                    paths.push(format!("{path}/{key}"));
                 } else {
-                    collect_words(own, &format!("{path}/{key}"), found);
+                    collect_words(member, &format!("{path}/{key}"), paths);
                 }
             }
         }
         Value::Array(items) => {
             let items = items.iter().enumerate();
-            items.for_each(|(k, own)| collect_words(own, &format!("{path}/{k}"), found));
+            items.for_each(|(k, member)| collect_words(member, &format!("{path}/{k}"), paths));
         }
         _ => {}
     }
