@@ -105,8 +105,7 @@ fn solids_that_touch_are_named_with_their_lines() {
     // The same where nothing but a proof will do, instead of some place that is far.
     let asked = ["mesh", &input, "--tol", "0.1", "--require", "proved", "-o", &output, "--force", "--json"];
     let strict = run(&asked);
-    strict
-        .fails_with(5, &["not proved at", "two surfaces touch at (5.0", "lines 1 and 2", "overlap them"]);
+    strict.fails_with(5, &["not proved at", "two surfaces touch at (5.0", "lines 1 and 2", "overlap them"]);
     assert!(!strict.stderr.contains("the worst known place"), "{}", strict.stderr);
     let report = strict.report();
     let places = report["certificate"]["bound"]["open"]["largest"].as_array().unwrap();
