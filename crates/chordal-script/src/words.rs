@@ -36,8 +36,7 @@ pub const BUILT_INS: &[BuiltIn] = &[
     plain(
         "param",
         &[required("name"), required("default")],
-        "A number that can be set by its name from outside the script, as with --set; otherwise the \
-         default.",
+        "A number that can be set by its name from outside the script; otherwise the default.",
     ),
     BuiltIn {
         name: "mesh",

@@ -166,7 +166,7 @@ fn what_makes_no_bevel_is_refused() {
     assert!(refuse(0.0, 0.1, length(0.1)).contains("a height above 0"));
     assert!(refuse(2.0, 0.1, Budget::triangles(100)).contains("not a number of triangles"));
     assert!(refuse(2.0, 0.1, Budget::default()).contains("needs a length or pixels"));
-    assert!(refuse(2.0, 0.1, length(1e-14)).contains("less than the possible rounding error"));
+    assert!(refuse(2.0, 0.1, length(1e-14)).contains("of rounding outlines of this size"));
     assert!(refuse(1e7, 0.1, length(1e-9)).contains("less than the possible rounding error of solids"));
     let mut job = Job::default();
     job.triangle_limit = 100;
