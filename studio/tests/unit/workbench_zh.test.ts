@@ -103,7 +103,7 @@ describe("findings of files", () => {
     expect(Object.keys(NAMES).filter((of) => !kinds.has(of))).toEqual([]);
     // The files must lead to remarks after a meaning, too.
     const said = findings.flatMap(({ means, advice }) => [means, advice ?? ""]).join("\n");
-    const besides = ["what fills it may cross", "which `mend --weld=", "an open sheet", "ties equal positions"];
+    const besides = ["the filling may cross", "which `mend --weld=", "an open sheet", "ties equal positions"];
     expect(besides.filter((words) => !said.includes(words))).toEqual([]);
   });
 

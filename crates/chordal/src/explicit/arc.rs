@@ -202,10 +202,10 @@ impl<const D: usize> Arc<D> {
             start_rad: self.start_rad + self.sweep_rad,
             sweep_rad: -self.sweep_rad,
             ends: [self.ends[1], self.ends[0]],
-            // Derived: the summed angle is off by half a step, which moves points by that angle times the radius.
-            // The chord form uses no angle sum.
             slack: match self.chord_form {
+                // The chord form uses no angle sum.
                 Some(_) => self.slack,
+                // Derived: the summed angle is off by half a step, which moves points by that angle times the radius.
                 None => add_up(self.slack, mul_up(16.0 * f64::EPSILON, self.magnitude())),
             },
             ..*self
