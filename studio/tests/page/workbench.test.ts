@@ -209,7 +209,7 @@ describe("a file", () => {
     };
     expect(await beside("distance")).toMatch(/0 to [\d.]+\. .* at least [\d.]+/);
     // Two nodes use the part with 189 triangles.
-    expect(await beside("overshade")).toMatch(/^[\d.]+ lanes .* of 378 triangles/);
+    expect(await beside("overshade")).toMatch(/^[\d.]+ GPU lanes per pixel; .* of 378 triangles/);
     expect(faults(errors)).toEqual([]);
   });
 
