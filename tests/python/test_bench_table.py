@@ -38,10 +38,10 @@ def test_what_is_skipped_is_not_kept() -> None:
             assert line["passed"] == (line["ratio"] <= line["limit"])
 
 
-def test_every_line_that_is_behind_its_peer_is_named_the_farthest_first() -> None:
+def test_lines_behind_their_peers_are_counted() -> None:
     table = front_table()
     line = {"what": "a", "peer": "P", "ours": 3.0, "theirs": 2.0, "skipped": None}
     others = [{**line, "what": "b", "ours": 8.0}, {**line, "what": "c", "ours": 1.0}, {**line, "what": "d", "theirs": None}]
     skipped = {**line, "what": "e", "skipped": "not there"}
-    assert table.behind({"lines": [line, *others, skipped]}) == "Behind their peers: b (P, 4 ×); a (P, 1.5 ×)."
-    assert table.behind({"lines": others[1:]}) == "No line is behind its peer."
+    assert table.behind({"lines": [line, *others, skipped]}) == "In 2 of 3 lines the peer has less."
+    assert table.behind({"lines": others[1:]}) == "In 0 of 1 lines the peer has less."

@@ -69,7 +69,7 @@ def test_what_is_wrong_is_said() -> None:
 
 
 def test_settings_are_spelled_as_arguments() -> None:
-    with pytest.raises(chordal.Refused, match="where the surface is: iso=LEVEL does") as caught:
+    with pytest.raises(chordal.Refused, match="the level of the surface is not known: iso=LEVEL sets it") as caught:
         chordal.volume(np.where(I < 6, 10.5, 90.25)).mesh()
     assert "--" not in str(caught.value)
     with pytest.raises(chordal.Refused, match=r"give labels= alone, or iso=$"):

@@ -31,7 +31,7 @@ def test_time_that_ends_leaves_a_measured_mesh_and_the_places_without_a_proof() 
     assert (mesh.bound.samples or 0) > 0 and mesh.bound.at_least < 0.1
     assert mesh.is_watertight and len(mesh.faces) > 12
     certificate = mesh.report["certificate"]
-    assert any('effort="best" goes on' in note for note in certificate["notes"])
+    assert any('effort="best" continues the proof' in note for note in certificate["notes"])
     if "prove" in stages:
         places = certificate["bound"]["open"]
         assert places["count"] > 0 and places["area"] > 0 and places["largest"]
