@@ -41,7 +41,7 @@ def meant(
         raise ValueError(f"border: 'capped' or 'open', not {border!r}")
     listed = labels if labels is None or isinstance(labels, str) and labels == "all" else ",".join(map(str, _labels(labels)))
     width = smooth if smooth is None or isinstance(smooth, str) else repr(number("smooth", smooth))
-    given = options(SURFACE, iso=iso, inside=inside, open=border == "open", labels=listed, smooth=width)
+    given = options(SURFACE, iso=iso, inside=inside, border=border == "open", labels=listed, smooth=width)
     if iso is not None and inside is None and labels is None:
         _warn_of_unclear_sides(source, number("iso", iso))
     return source.surface(given)

@@ -66,7 +66,7 @@ class Mendable(Sourced):
             REPAIRS,
             all=all,
             weld=_closeness(weld),
-            drop_duplicates="any" if drop_duplicates is True else drop_duplicates,
+            drop_duplicates="any" if drop_duplicates is True else drop_duplicates or None,
             drop_degenerate=drop_degenerate,
             resolve_t_junctions=_closeness(resolve_t_junctions),
             split_nonmanifold=split_nonmanifold,
@@ -104,6 +104,8 @@ def _warn_of_holes(mesh: Mesh, most: int | None) -> None:
     )
 
 
-def _closeness(value: bool | Length) -> bool | Length | None:
-    """The argument of a repair with a tolerance: False for no repair, an empty text for an exact one, or a length."""
-    return "" if value is True else value
+def _closeness(value: bool | Length) -> Length | None:
+    """The argument of a repair with a tolerance: None for no repair, an empty text for an exact one, or a length."""
+    if isinstance(value, bool):
+        return "" if value else None
+    return value

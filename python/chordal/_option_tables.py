@@ -10,11 +10,9 @@ READING: Final[dict[str, tuple[str, str]]] = {
     "unit": ("unit", "text"),
     "up": ("up", "text"),
     "index": ("index", "count"),
-    "set": ("set", "text"),
     "text": ("text", "text"),
     "em": ("em", "number"),
     "axes": ("axis", "text"),
-    "region": ("region", "text"),
     "surface": ("surface", "word"),
     "strict": ("strict", "flag"),
     "lenient": ("lenient", "flag"),
@@ -22,7 +20,6 @@ READING: Final[dict[str, tuple[str, str]]] = {
 }
 
 REPAIRS: Final[dict[str, tuple[str, str]]] = {
-    "format": ("to", "text"),
     "all": ("all", "flag"),
     "weld": ("weld", "length"),
     "drop_duplicates": ("drop-duplicates", "word"),
@@ -45,15 +42,11 @@ MESH: Final[dict[str, tuple[str, str]]] = {
     "triangles": ("triangles", "count"),
     "segments": ("segments", "count"),
     "require": ("require", "word"),
-    "keep_best": ("keep-best", "flag"),
-    "format": ("to", "text"),
     "spacing": ("spacing", "word"),
     "effort": ("effort", "word"),
     "within": ("within", "time"),
-    "normals": ("normals", "text"),
     "extrude": ("extrude", "length"),
     "bevel": ("bevel", "length"),
-    "level": ("level", "count"),
 }
 
 LOD: Final[dict[str, tuple[str, str]]] = {
@@ -61,7 +54,6 @@ LOD: Final[dict[str, tuple[str, str]]] = {
     "view": ("view", "text"),
     "nearest": ("nearest", "number"),
     "tol": ("tol", "length"),
-    "keep_best": ("keep-best", "flag"),
     "uv_error": ("uv-error", "number"),
     "normal_error": ("normal-error", "number"),
     "distances": ("distances", "text"),
@@ -77,6 +69,5 @@ SURFACE: Final[dict[str, tuple[str, str]]] = {
     "inside": ("inside", "word"),
     "labels": ("labels", "text"),
     "smooth": ("smooth", "text"),
-    "cap": ("cap", "flag"),
-    "open": ("open", "flag"),
+    "border": ("open", "flag"),
 }

@@ -11,11 +11,11 @@ Option = tuple[str, str, str]
 
 
 def options(table: Mapping[str, tuple[str, str]], **given: object) -> list[Option]:
-    """The options for the keywords that were given: those that are neither None nor False."""
+    """The options for the keywords that were given: flags that are true, and other values that are not None."""
     return [
         (table[keyword][0], keyword, _text_of(keyword, table[keyword][1], value))
         for keyword, value in given.items()
-        if value is not None and value is not False
+        if (bool(value) if table[keyword][1] == "flag" else value is not None)
     ]
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import inspect
 
+import numpy as np
 import pytest
 
 import chordal
-from chordal._option_tables import LOD, MESH, REPAIRS, SURFACE
+from chordal._option_tables import LOD, MESH, READING, REPAIRS, SURFACE
+from chordal._options import options
 
-#: What is another method's: `export` writes a format with normals, `BudgetUnmet.best` keeps the best, `Cage.refined` has levels.
-ELSEWHERE = {"format", "normals", "keep_best", "level"}
-#: Keywords that are no options: a share of the diagonal is a length, and a border is one of two flags.
-OWN = {"self", "rel", "progress", "border"}
+#: Keywords that are no options: a share of the diagonal is a length.
+OWN = {"self", "rel", "progress"}
 
 
 def keywords(method: object) -> set[str]:
@@ -21,16 +21,27 @@ def keywords(method: object) -> set[str]:
 
 def test_the_keywords_of_mesh_and_flatten_are_options_of_meshes_and_volumes() -> None:
     of_mesh, of_flatten = keywords(chordal.Shape.mesh), keywords(chordal.Shape.flatten)
-    assert of_mesh | of_flatten == (set(MESH) - ELSEWHERE) | (set(SURFACE) - {"cap", "open"})
+    assert of_mesh | of_flatten == set(MESH) | set(SURFACE)
 
 
 def test_the_keywords_of_lod_are_options_of_levels() -> None:
     of_packing = {"quantize", "compress"}
-    assert keywords(chordal.Shape.lod) - of_packing == set(LOD) - {"keep_best"}
+    assert keywords(chordal.Shape.lod) - of_packing == set(LOD)
 
 
 def test_the_keywords_of_mend_are_options_of_repairs() -> None:
-    assert keywords(chordal.Shape.mend) == set(REPAIRS) - {"format"}
+    assert keywords(chordal.Shape.mend) == set(REPAIRS)
+
+
+def test_the_keywords_of_load_are_options_of_inputs() -> None:
+    assert keywords(chordal.load) - {"source", "kind"} == set(READING)
+
+
+def test_a_flag_is_set_if_it_is_true_and_another_value_if_it_is_there() -> None:
+    assert options(LOD, merge=False) == options(LOD, merge=np.False_) == options(LOD, merge=0) == []
+    assert options(LOD, merge=np.True_, nearest=None) == [("merge", "merge", "")]
+    with pytest.raises(TypeError, match="^pixels: "):
+        options(MESH, pixels=False)
 
 
 def test_a_value_without_sense_names_its_keyword() -> None:

@@ -29,9 +29,9 @@ fn form(values: OptionValues) -> &'static str {
 }
 
 fn python_table<S: OptionTable>(name: &str) -> String {
-    let rows = S::ROWS
-        .iter()
-        .map(|row| format!("    \"{}\": (\"{}\", \"{}\"),\n", row.keyword, row.name, form(row.values)));
+    let rows = S::ROWS.iter().filter_map(|row| {
+        Some(format!("    \"{}\": (\"{}\", \"{}\"),\n", row.keyword()?, row.name, form(row.values)))
+    });
     format!("{name}: Final[dict[str, tuple[str, str]]] = {{\n{}}}\n", rows.collect::<String>())
 }
 
@@ -80,7 +80,8 @@ fn markdown_row<S>(row: &OptionRow<S>) -> String {
             option => write!(help, " Needs `--{option}`.").unwrap(),
         }
     }
-    format!("| `--{}{value}` | `{}` | {help} |\n", row.name, row.keyword)
+    let keyword = row.keyword().map_or_else(|| "–".to_owned(), |keyword| format!("`{keyword}`"));
+    format!("| `--{}{value}` | {keyword} | {help} |\n", row.name)
 }
 
 fn markdown_table<S: OptionTable>(title: &str) -> String {
@@ -92,10 +93,10 @@ fn markdown_table<S: OptionTable>(title: &str) -> String {
 fn the_page_of_options_is_written_from_the_tables() {
     let text = format!(
         "# Options\n\n\
-         Options of `mesh`, `lod` and `mend`, and of inputs and volumes. Each is an option of the command, a keyword in \n\
-         Python, and, but for those of `lod` and `mend`, a key of JSON in the web module: its name with `_` for `-`. Outputs, \n\
-         threads and memory are set by options of the command alone, which its help lists. This page is written from the \n\
-         tables in `crates/chordal-verbs/src/options`.\n\n{}{}{}{}{}",
+         Options of `mesh`, `lod` and `mend`, and of inputs and volumes: as the command spells them, and as keywords of Python \n\
+         if a method takes them. In the web module those of inputs, meshes and volumes are keys of JSON, with `_` for `-`, \n\
+         except `within` and `level`. Outputs, threads and memory are set by options of the command alone, which its help \n\
+         lists. This page is written from the tables in `crates/chordal-verbs/src/options`.\n\n{}{}{}{}{}",
         markdown_table::<ReadOptions>("Inputs"),
         markdown_table::<MeshOptions>("Meshes"),
         markdown_table::<LodOptions>("Levels of detail"),

@@ -113,7 +113,7 @@ impl OptionTable for LodOptions {
             "Maximum error on the screen, in device pixels; set viewers of the tiles to the same",
             |options, text| store(&mut options.pixels, text.parse()),
         )
-        .keyword("pixels")
+        .renamed("pixels")
         .default("1"),
         OptionRow::<Self>::new(
             "view",
@@ -144,7 +144,7 @@ impl OptionTable for LodOptions {
                 Ok(())
             },
         )
-        .keyword("keep_best"),
+        .without_keyword(),
         uv_error(),
         normal_error(),
         OptionRow::<Self>::new(
@@ -180,7 +180,6 @@ impl OptionTable for LodOptions {
                 store(&mut options.tile_triangles, count.ok_or("a whole number from 1 to 100000000"))
             },
         )
-        .keyword("tile_triangles")
         .default("65536")
         .under(OptionSection::Levels),
         OptionRow::<Self>::flag(

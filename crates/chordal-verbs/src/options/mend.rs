@@ -59,14 +59,7 @@ impl OptionTable for MendOptions {
     const REQUIRED_GROUP: Option<&'static str> = Some("repairs");
 
     const ROWS: &'static [OptionRow<Self>] = &[
-        OptionRow::<Self>::new(
-            "to",
-            (OptionValues::Text, "FORMAT"),
-            "Output format, if not the one that the file name implies",
-            |options, text| store_some(&mut options.to, text.parse()),
-        )
-        .keyword("format")
-        .under(OptionSection::Result),
+        OptionRow::<Self>::output_format(|options, text| store_some(&mut options.to, text.parse())),
         OptionRow::<Self>::flag(
             "all",
             "All repairs below, without tolerance and with all holes unless other options say more: what a 3D print needs",
@@ -95,7 +88,6 @@ impl OptionTable for MendOptions {
                 store_some(&mut options.repairs.drop_duplicates, word(text, &words))
             },
         )
-        .keyword("drop_duplicates")
         .or_bare("any")
         .in_groups(REPAIRS)
         .under(OptionSection::Repairs),
@@ -103,7 +95,6 @@ impl OptionTable for MendOptions {
             options.repairs.drop_degenerate = true;
             Ok(())
         })
-        .keyword("drop_degenerate")
         .in_groups(REPAIRS)
         .under(OptionSection::Repairs),
         OptionRow::<Self>::new(
@@ -112,7 +103,6 @@ impl OptionTable for MendOptions {
             "Split faces where a vertex lies on their edge: exactly, or within a length",
             |options, text| store_some(&mut options.repairs.resolve_t_junctions, closeness(text)),
         )
-        .keyword("resolve_t_junctions")
         .or_bare("")
         .in_groups(REPAIRS)
         .under(OptionSection::Repairs),
@@ -124,7 +114,6 @@ impl OptionTable for MendOptions {
                 Ok(())
             },
         )
-        .keyword("split_nonmanifold")
         .in_groups(REPAIRS)
         .under(OptionSection::Repairs),
         OptionRow::<Self>::flag(
@@ -160,7 +149,6 @@ impl OptionTable for MendOptions {
                 store_some(&mut options.repairs.fill_holes, holes)
             },
         )
-        .keyword("fill_holes")
         .or_bare("")
         .in_groups(REPAIRS)
         .under(OptionSection::Repairs),
@@ -168,7 +156,6 @@ impl OptionTable for MendOptions {
             options.repairs.drop_unused = true;
             Ok(())
         })
-        .keyword("drop_unused")
         .in_groups(REPAIRS)
         .under(OptionSection::Repairs),
     ];

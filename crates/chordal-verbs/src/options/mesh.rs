@@ -96,7 +96,6 @@ pub(super) const fn uv_error<S: AttributeOptions>() -> OptionRow<S> {
             store(limits, AttributeLimits::new(Some(texcoord_distance(text)?), limits.normal_deg()))
         },
     )
-    .keyword("uv_error")
 }
 
 pub(super) const fn normal_error<S: AttributeOptions>() -> OptionRow<S> {
@@ -110,7 +109,6 @@ pub(super) const fn normal_error<S: AttributeOptions>() -> OptionRow<S> {
             store(limits, AttributeLimits::new(limits.texcoord(), Some(angle(text)?)))
         },
     )
-    .keyword("normal_error")
 }
 
 /// The group of the options that limit the error or the size of the result.
@@ -146,7 +144,7 @@ impl OptionTable for MeshOptions {
             "Maximum distance on the screen of {view}, in device pixels",
             |options, text| store_some(&mut options.pixels, text.parse()),
         )
-        .keyword("pixels")
+        .renamed("pixels")
         .in_groups(&[LIMITS]),
         OptionRow::<Self>::new(
             "view",
@@ -195,15 +193,8 @@ impl OptionTable for MeshOptions {
                 Ok(())
             },
         )
-        .keyword("keep_best"),
-        OptionRow::<Self>::new(
-            "to",
-            (OptionValues::Text, "FORMAT"),
-            "Output format, if not the one that the file name implies",
-            |options, text| store_some(&mut options.to, text.parse()),
-        )
-        .keyword("format")
-        .under(OptionSection::Result),
+        .without_keyword(),
+        OptionRow::<Self>::output_format(|options, text| store_some(&mut options.to, text.parse())),
         OptionRow::<Self>::new(
             "spacing",
             (SPACINGS, "HOW"),
@@ -243,7 +234,8 @@ impl OptionTable for MeshOptions {
             |options, text| store(&mut options.budget.normals, text.parse()),
         )
         .default("auto")
-        .under(OptionSection::Result),
+        .under(OptionSection::Result)
+        .without_keyword(),
         OptionRow::<Self>::new(
             "extrude",
             LENGTH,
@@ -270,7 +262,8 @@ impl OptionTable for MeshOptions {
             |options, text| store_some(&mut options.level, count_from_0(text)),
         )
         .conflicts(&[LIMITS])
-        .under(OptionSection::Result),
+        .under(OptionSection::Result)
+        .without_keyword(),
     ];
 }
 

@@ -54,8 +54,10 @@ pub trait OptionTable: Default + Send + Sync + 'static {
 pub struct OptionRow<S> {
     /// The name, with hyphens.
     pub name: &'static str,
-    /// The keyword of the Python package.
-    pub keyword: &'static str,
+    /// The keyword of the Python package, if it is not the name with `_` for `-`: see [`Self::keyword`].
+    renamed: Option<&'static str>,
+    /// Whether a method of the Python package takes it.
+    is_keyword: bool,
     /// The values that it takes.
     pub values: OptionValues,
     /// What help calls the value: `LENGTH`.
@@ -142,7 +144,8 @@ impl<S> OptionRow<S> {
     ) -> Self {
         Self {
             name,
-            keyword: name,
+            renamed: None,
+            is_keyword: true,
             values,
             value_name,
             section: OptionSection::Budget,
@@ -169,8 +172,20 @@ impl<S> OptionRow<S> {
         Self { section, ..self }
     }
 
-    const fn keyword(self, keyword: &'static str) -> Self {
-        Self { keyword, ..self }
+    const fn renamed(self, keyword: &'static str) -> Self {
+        Self { renamed: Some(keyword), ..self }
+    }
+
+    const fn without_keyword(self) -> Self {
+        Self { is_keyword: false, ..self }
+    }
+
+    /// The format of the output, which Python's methods for writing take.
+    const fn output_format(set: fn(&mut S, &str) -> Result<(), String>) -> Self {
+        let help = "Output format, if not the one that the file name implies";
+        Self::new("to", (OptionValues::Text, "FORMAT"), help, set)
+            .without_keyword()
+            .under(OptionSection::Result)
     }
 
     const fn default(self, default: &'static str) -> Self {
@@ -199,6 +214,12 @@ impl<S> OptionRow<S> {
 }
 
 impl<S> OptionRow<S> {
+    /// The keyword of the Python package, if a method takes it.
+    #[must_use]
+    pub fn keyword(&self) -> Option<String> {
+        self.is_keyword.then(|| self.renamed.map_or_else(|| self.name.replace('-', "_"), str::to_owned))
+    }
+
     /// The help with other options as a shell spells them: each by its name, and its value if it has one.
     #[must_use]
     pub fn spelled_help(&self, spell: impl Fn(&str, Option<&str>) -> String) -> String {

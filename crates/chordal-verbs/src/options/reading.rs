@@ -77,7 +77,7 @@ impl OptionTable for ReadOptions {
             "Input format, if not the one that the file's name or content implies",
             |options, text| store_some(&mut options.from, text.parse()),
         )
-        .keyword("format")
+        .renamed("format")
         .under(OptionSection::Input),
         OptionRow::<Self>::new(
             "unit",
@@ -110,7 +110,8 @@ impl OptionTable for ReadOptions {
             },
         )
         .repeatable()
-        .under(OptionSection::Input),
+        .under(OptionSection::Input)
+        .without_keyword(),
         OptionRow::<Self>::new(
             "text",
             (OptionValues::Text, "TEXT"),
@@ -138,7 +139,7 @@ impl OptionTable for ReadOptions {
                 Ok(())
             },
         )
-        .keyword("axes")
+        .renamed("axes")
         .repeatable()
         .needs("text")
         .under(OptionSection::Input),
@@ -148,7 +149,8 @@ impl OptionTable for ReadOptions {
             "For a field: the box to clip it to, e.g. \"-1,-1,-1 1,1,1\"",
             |options, text| store_some(&mut options.region, region(text)),
         )
-        .under(OptionSection::Input),
+        .under(OptionSection::Input)
+        .without_keyword(),
         OptionRow::<Self>::new(
             "surface",
             (SURFACES, "WHICH"),
@@ -184,7 +186,6 @@ impl OptionTable for ReadOptions {
                 Ok(())
             },
         )
-        .keyword("drop_nonfinite")
         .under(OptionSection::Input),
     ];
 }

@@ -51,12 +51,14 @@ impl OptionTable for SurfaceSpec {
             },
         )
         .conflicts(&["open"])
-        .under(OptionSection::Volumes),
+        .under(OptionSection::Volumes)
+        .without_keyword(),
         OptionRow::<Self>::flag("open", "Leave the surface open where it reaches the border of the volume", |surface, _| {
             surface.border = Border::Open;
             Ok(())
         })
-        .under(OptionSection::Volumes),
+        .under(OptionSection::Volumes)
+        .renamed("border"),
     ];
 }
 
