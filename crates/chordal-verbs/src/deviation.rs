@@ -1,8 +1,10 @@
 //! `deviation`: the distance between two shapes, certified from both sides.
-use crate::isosurface::surface_of;
-use crate::merged_parts;
+use crate::mesh::field;
+use crate::mesh::isosurface::surface_of;
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
-use crate::{Input, MeshFailure, Shape, VolumeShape, field, flatten};
+use crate::scene::flatten;
+use crate::scene::merged_parts;
+use crate::{Input, MeshFailure, Shape, VolumeShape};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Length, Reference, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};

@@ -1,6 +1,6 @@
 //! `inspect`: the content of a file, and its validity.
-use crate::isosurface::surface_of;
-use crate::recommend::recommend_repairs;
+use crate::mend::recommend::recommend_repairs;
+use crate::mesh::isosurface::surface_of;
 use crate::report::{
     BoundFacts, Certificate, CheckDepth, CountError, CountedTriangles, Inspection, Output, PolygonFacts,
     PolylineFacts, Report, RunFacts,

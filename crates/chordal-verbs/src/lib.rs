@@ -21,134 +21,69 @@
 mod bake;
 #[cfg(feature = "booleans")]
 mod boolean;
-mod cage;
-mod cage_size;
-mod collapsed_faces;
-mod compose;
-mod composed;
-#[cfg(feature = "booleans")]
-mod construction_by_booleans;
-mod contact_lines;
 mod convert;
-mod cubic_paths;
 mod deviation;
-mod digest;
-mod drawing_regions;
-mod drawing_to_field;
-mod drop_attributes;
 mod failure;
-mod field;
-#[cfg(feature = "booleans")]
-mod field_by_booleans;
-#[cfg(feature = "booleans")]
-mod field_by_solids;
-mod field_digest;
-mod field_looks;
-mod field_slack;
-mod file_extension;
-mod file_rows;
-mod filled_regions;
-mod finish;
-mod flatten;
-mod format_rounding;
 pub mod formats;
-mod frame_nodes;
-mod geometry_digest;
-#[cfg(feature = "script")]
-mod heights_to_mesh;
-mod held_faces;
-mod implicit;
+mod input;
 mod inspect;
-mod isosurface;
-mod label_looks;
-mod load;
 mod lod;
-mod max_bound;
 mod mend;
-mod merge;
-mod merged_parts;
 mod mesh;
-mod normals;
-mod notes;
 pub mod options;
-mod origin;
 mod outcome;
-mod output_form;
-mod pass_through;
-mod placements;
-mod polylines;
-mod recommend;
+mod output;
+mod provenance;
 mod render;
 pub mod report;
-mod request;
-mod rounded_mesh;
-mod scene_to_field;
-mod script;
-#[cfg(feature = "script")]
-mod script_files;
-mod seal;
-mod shape;
-mod shown_parts;
-mod simplified_isosurface;
+mod scene;
 mod simplify;
-mod smoothing;
-mod smoothing_width;
-#[cfg(feature = "booleans")]
-mod solid_cut;
 mod spec;
 mod spell;
-mod straight;
-mod tessellate;
-mod time_limit;
-mod too_fine;
-mod transform;
 mod verify;
-mod volume;
-mod zero_set;
 
 pub use bake::{BakeOutcome, BakeResolution, BakeSpec, BakedVolume, bake};
 #[cfg(feature = "booleans")]
 pub use boolean::{BooleanOperand, mesh_boolean};
-pub use cage::{ControlMesh, RefineOutcome, refine, refined_cage};
 pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::lod::count::Effort;
 pub use chordal::mend::nesting::NestedShells;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
-pub use compose::{compose_input, history_of, join_input, made_of, transform_input};
-pub use composed::Composed;
 pub use convert::{
     ConvertOutcome, ConvertedShape, convert, convert_within, needs_mesh, polygons_lose_no_more, written_names,
 };
 pub use deviation::{DeviationSpec, deviation};
-pub use digest::{sha256, sha256_of};
-pub use drawing_to_field::drawing_to_field;
 pub use failure::MeshFailure;
-pub use file_extension::extension;
-pub use geometry_digest::geometry_digest;
-pub use implicit::{ImplicitShape, LineShape, Parameter, ShapeBody, ShapeLine};
+pub use input::drawing_to_field::drawing_to_field;
+pub use input::file_extension::extension;
+pub use input::implicit::{ImplicitShape, LineShape, Parameter, ShapeBody, ShapeLine};
+pub use input::load::{FormatHint, Input, InputDigest, InputFile, load, load_with, load_within};
+pub use input::scene_to_field::{SceneField, scene_to_field};
+pub use input::shape::Shape;
+pub use input::smoothing_width::SmoothingWidth;
+pub use input::volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 pub use inspect::{SurfaceDepth, inspect, inspect_deeply, inspect_surface};
-pub use load::{FormatHint, Input, InputDigest, InputFile, load, load_with, load_within};
 pub use lod::{LodLens, LodOutcome, LodParts, LodSpec, TileErrors, lod};
 pub use lod::{PartTile, TileEntry, part_tile, part_tileset, rounded_part};
 pub use mend::{MendSpec, WeldTolerance, mend};
+pub use mesh::cage::{ControlMesh, RefineOutcome, refine, refined_cage};
 pub use mesh::{mesh, needs_budget};
-pub use normals::{InvalidNormals, Normals};
 pub use outcome::{MeshOutcome, Tessellation};
-pub use output_form::OutputForm;
+pub use output::normals::{InvalidNormals, Normals};
+pub use output::output_form::OutputForm;
+pub use provenance::compose::{compose_input, history_of, join_input, made_of, transform_input};
+pub use provenance::composed::Composed;
+pub use provenance::digest::{sha256, sha256_of};
+pub use provenance::geometry_digest::geometry_digest;
+pub use provenance::seal::seal_of;
 pub use render::{PictureTolerance, RenderOutcome, USUAL_SCREEN, render, render_against, render_comb};
-pub use scene_to_field::{SceneField, scene_to_field};
-pub use seal::seal_of;
-pub use shape::Shape;
-pub use smoothing_width::SmoothingWidth;
-pub use spec::BudgetSpec;
-pub use time_limit::{parse_time, time_limit};
-pub use transform::{MovedScene, Stretch, composed_bound, transform};
+pub use scene::transform::{MovedScene, Stretch, composed_bound, transform};
+pub use spec::{BudgetSpec, parse_time, time_limit};
 pub use verify::{
     ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport, inputs_to_verify, n_coarser_levels, verify,
     verify_levels,
 };
-pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 
 /// Compiles the examples of the page in `docs/` with the tests.
 #[cfg(doctest)]

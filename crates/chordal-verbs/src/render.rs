@@ -1,13 +1,13 @@
 //! `render`: a picture of any shape. Smooth shapes are meshed first, finely enough for the picture; fields
 //! are ray traced directly.
 use crate::deviation::ComparedPair;
-use crate::drawing_regions::{self, FilledRegions};
-use crate::field;
-use crate::isosurface::surface_of;
-use crate::merged_parts;
+use crate::input::drawing_regions::{self, FilledRegions};
+use crate::mesh::field;
+use crate::mesh::isosurface::surface_of;
 use crate::report::{
     BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts,
 };
+use crate::scene::merged_parts;
 use crate::{BudgetSpec, Input, MeshFailure, Shape};
 use crate::{ImplicitShape, VolumeShape};
 use chordal::budget::advice::Message;

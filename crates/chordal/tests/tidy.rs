@@ -344,7 +344,7 @@ fn every_kind_of_untidiness_is_found() {
     let long = "\n".repeat(700);
     assert_eq!(complaints(MATH, &long), 1);
     assert_eq!(complaints(MATH, &"// Long because it is a table.\n".repeat(1100)), 1);
-    assert_eq!(complaints("crates/chordal-verbs/src/load.rs", "fn f() { println!(); }"), 1);
+    assert_eq!(complaints("crates/chordal-verbs/src/input/load.rs", "fn f() { println!(); }"), 1);
     assert_eq!(complaints("crates/chordal-cli/src/main.rs", "fn f() { unsafe { g() } }"), 1);
     assert_eq!(untidy(&Source::new(MATH, "use std::fmt;\n")).len(), 1, "a file without a title");
 }

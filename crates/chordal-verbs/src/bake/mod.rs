@@ -4,9 +4,9 @@ mod source;
 mod spec;
 
 use crate::formats::{in_words, names_where};
-use crate::geometry_digest::samples_digest;
+use crate::mesh::isosurface::zero_set::zero_set_distance;
+use crate::provenance::geometry_digest::samples_digest;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, DistanceGridFacts, InterpolantFacts, SolidFacts};
-use crate::zero_set::zero_set_distance;
 use crate::{BudgetSpec, Input, MeshFailure};
 use chordal::Job;
 use chordal::budget::advice::{Message, Setting};

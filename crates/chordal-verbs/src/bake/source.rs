@@ -1,8 +1,10 @@
 //! `DistanceSource`: the geometry to which distances are measured: the triangles of a shape, or its field.
 use super::samples::{BakedSamples, error_from_field, off_at_most};
 use super::spec::BakeSpec;
-use crate::tessellate::tessellate;
-use crate::{ImplicitShape, MeshFailure, Shape, field, flatten, merged_parts};
+use crate::mesh::field;
+use crate::mesh::tessellate::tessellate;
+use crate::scene::{flatten, merged_parts};
+use crate::{ImplicitShape, MeshFailure, Shape};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Evidence, Reference, RefusalCode, Tolerance};
 use chordal::convert::batch::DistanceBaker;

@@ -1,8 +1,8 @@
 //! The scene of a combined solid, with the materials, colours and groups of its operands.
 use super::operand::SolidOperand;
 use crate::MeshFailure;
-use crate::file_rows::unsupported;
-use crate::merge::merge;
+use crate::output::file_rows::unsupported;
+use crate::scene::merge::merge;
 use chordal::Mesh;
 use chordal::boolean::BooleanMesh;
 use chordal::budget::advice::Message;

@@ -1,13 +1,13 @@
 //! `mesh_boolean`: the union, difference and intersection of shapes as triangles.
 mod carried;
 mod operand;
+pub(crate) mod solid_cut;
 
-use crate::file_rows::order_new_triangles;
-use crate::finish::finish_triangles;
-use crate::format_rounding::RoundingTarget;
+use crate::mesh::request::MeshRequest;
+use crate::output::file_rows::order_new_triangles;
+use crate::output::finish::finish_triangles;
+use crate::output::format_rounding::RoundingTarget;
 use crate::report::{BooleanFacts, BooleanOperandFacts, BoundFacts, BudgetFacts, Certificate, InputFacts};
-use crate::request::MeshRequest;
-use crate::solid_cut::{CutFailure, cut, cutting_slack, total_bound};
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, formats};
 use chordal::boolean::{BooleanMesh, BooleanOp};
 use chordal::budget::advice::{Cure, Message, Setting};
@@ -15,6 +15,7 @@ use chordal::budget::{Bound, RefusalCode};
 use chordal::math::add_up;
 use chordal::{Job, Mesh};
 use operand::SolidOperand;
+use solid_cut::{CutFailure, cut, cutting_slack, total_bound};
 
 /// One more shape, and the operation that combines it.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! `SolidOperand`: a shape as one closed mesh in world coordinates, with the attributes of its faces.
-use crate::drop_attributes::without_attributes;
-use crate::file_rows::unsupported;
-use crate::merge::merge;
-use crate::placements::part_placements;
-use crate::tessellate::{tessellate, tessellate_scene};
+use crate::mesh::tessellate::{tessellate, tessellate_scene};
+use crate::output::file_rows::unsupported;
+use crate::scene::drop_attributes::without_attributes;
+use crate::scene::merge::merge;
+use crate::scene::placements::part_placements;
 use crate::{ImplicitShape, Input, MeshFailure, Shape};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode, Tolerance};

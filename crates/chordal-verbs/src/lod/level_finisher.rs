@@ -1,8 +1,8 @@
 //! `LevelFinisher`: levels in the form in which they will be written, with their normals and rounded.
 use super::LodSpec;
-use crate::file_rows::{to_file_rows, unsupported};
-use crate::format_rounding::{RoundingTarget, limits_left, storage_within};
-use crate::rounded_mesh::snap_with_bound;
+use crate::output::file_rows::{to_file_rows, unsupported};
+use crate::output::format_rounding::snap_with_bound;
+use crate::output::format_rounding::{RoundingTarget, limits_left, storage_within};
 use crate::simplify::exceeds;
 use crate::{MeshFailure, Normals};
 use chordal::budget::advice::Message;

@@ -10,12 +10,12 @@ mod source;
 mod tile_hierarchy;
 mod tileset;
 
-use crate::finish::NOT_MET;
-use crate::format_rounding::single_precision_note;
-use crate::geometry_digest::written_digest;
-use crate::notes::packing_note;
+use crate::output::finish::NOT_MET;
+use crate::output::format_rounding::single_precision_note;
+use crate::output::notes::packing_note;
+use crate::output::notes::too_fine_note;
+use crate::provenance::geometry_digest::written_digest;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, OpenPlacesFacts, Output};
-use crate::too_fine::too_fine_note;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, OutputForm, Shape};
 use chordal::Job;
 use chordal::budget::advice::Message;

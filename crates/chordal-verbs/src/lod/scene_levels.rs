@@ -2,11 +2,11 @@
 use super::level_finisher::{LatticeFit, LevelFinisher};
 use super::level_mesh::LevelMesh;
 use crate::MeshFailure;
-use crate::flatten;
-use crate::pass_through::rounded_deformation;
-use crate::placements;
+use crate::output::pass_through::rounded_deformation;
 use crate::report::AttributeFacts;
-use crate::shown_parts::ShownParts;
+use crate::scene::flatten;
+use crate::scene::placements;
+use crate::scene::shown_parts::ShownParts;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::check::findings::AttributeDeviation;

@@ -6,8 +6,8 @@ use super::{
     HistoryStart, InputFacts, LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts,
     SmoothingFacts, StepBound, StepFacts, StepOutput, ValidityFacts, to_value,
 };
-use crate::origin::InputOrigin;
-use crate::seal::seal_of;
+use crate::provenance::origin::InputOrigin;
+use crate::provenance::seal::seal_of;
 use crate::{Input, Shape};
 use chordal::budget::advice::{Cure, Message, Setting};
 use chordal_io::{BENT_POLYGONS, Format, most_certificate_bytes};

@@ -1,5 +1,5 @@
 //! Curves in the report; only from `inspect`.
-use crate::shape::in_space;
+use crate::input::shape::in_space;
 use chordal::check::curves::{Join, joins};
 use chordal::explicit::{Curve, CurveSegment};
 use chordal::math::greater;

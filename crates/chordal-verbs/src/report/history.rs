@@ -1,6 +1,6 @@
 //! The history of a result: every step since the first file, each with its bound, and their sum.
 use super::BoundFacts;
-use crate::placements::{IDENTITY, Matrix4, largest_stretch, smallest_stretch};
+use crate::scene::placements::{IDENTITY, Matrix4, largest_stretch, smallest_stretch};
 use chordal::budget::{Bound, Evidence, Metric, Reference};
 use serde::{Deserialize, Serialize};
 

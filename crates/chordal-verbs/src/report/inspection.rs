@@ -3,7 +3,7 @@ use super::{
     CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, NurbsEdgeFacts, PathJoinFacts,
     SurfaceEdgeFacts, TriangleFacts, VolumeFacts, to_value,
 };
-use crate::file_rows::rows_of;
+use crate::output::file_rows::rows_of;
 use crate::{Input, Shape};
 use chordal::Mesh;
 use chordal::convert::gpu::IndexBuffer;

@@ -1,6 +1,6 @@
 //! The validity of one part of a scene, by both definitions of "the same position".
 use super::witness::WitnessFacts;
-use crate::file_rows::rows_of;
+use crate::output::file_rows::rows_of;
 use chordal::Mesh;
 use chordal::budget::JobError;
 use chordal::check::findings::{Finding, MeshConnectivity, MeshLocation, OpenSeams, Witness};

@@ -1,7 +1,7 @@
 //! Checks across the parts of a scene in world coordinates: parts that cross or touch, and parts that lie within others.
 use super::witness::WitnessFacts;
-use crate::merged_parts::MergedParts;
-use crate::placements::n_places;
+use crate::scene::merged_parts::MergedParts;
+use crate::scene::placements::n_places;
 use chordal::Job;
 use chordal::budget::JobError;
 use chordal::check::findings::{MeshConnectivity, Witness};

@@ -2,7 +2,7 @@
 use super::part_check::PartCheck;
 use super::scene_check::SceneCheck;
 use super::validity_counts::ValidityCounts;
-use crate::placements::IDENTITY;
+use crate::scene::placements::IDENTITY;
 use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::check::findings::Finding;
 use chordal::check::{Component, Facing, outward};

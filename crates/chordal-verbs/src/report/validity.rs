@@ -6,7 +6,7 @@ use super::scene_check::SceneCheck;
 use super::surface::SurfaceFacts;
 use super::validity_counts::ValidityCounts;
 use super::witness::WitnessFacts;
-use crate::merged_parts::MergedParts;
+use crate::scene::merged_parts::MergedParts;
 use chordal::check::{Defect, Validity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene, WriteError};

@@ -1,5 +1,5 @@
 //! Volumes in the report; only from `inspect`.
-use crate::volume::{ValueRange, VolumeShape, type_name};
+use crate::input::volume::{ValueRange, VolumeShape, type_name};
 use chordal::convert::Inside;
 use chordal::implicit::Affine3;
 use serde::Serialize;

@@ -1,10 +1,10 @@
 //! `AttributePair`: the triangles of a file and those that it was built from, to compare the attributes of their corners.
 use crate::MeshFailure;
-use crate::file_rows::unsupported;
-use crate::flatten;
-use crate::merge::merge;
-use crate::placements::distance_up;
+use crate::output::file_rows::unsupported;
 use crate::report::AttributeFacts;
+use crate::scene::flatten;
+use crate::scene::merge::merge;
+use crate::scene::placements::distance_up;
 use chordal::budget::{JobError, Tolerance};
 use chordal::check::findings::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};

@@ -3,9 +3,10 @@
 use super::attribute_pair::{AttributePair, CornerDifferences, PairForm, ValueBox, is_direction};
 use super::claims::ClaimList;
 use super::normals::{are_computed, share_backwards, stated_normals};
-use crate::frame_nodes::without_frame_nodes;
 use crate::report::AttributeFacts;
-use crate::{Input, MeshFailure, Normals, Shape, flatten};
+use crate::scene::flatten;
+use crate::scene::frame_nodes::without_frame_nodes;
+use crate::{Input, MeshFailure, Normals, Shape};
 use chordal::Job;
 use chordal::explicit::Semantic;
 use chordal::math::{greater, lesser};

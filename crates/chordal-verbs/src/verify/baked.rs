@@ -2,9 +2,10 @@
 use super::claims::ClaimList;
 use super::counts::compare_with;
 use crate::bake::{interpolant_error, off_at_most};
+use crate::provenance::seal::seal_of;
 use crate::report::{SolidFacts, to_value};
-use crate::seal::seal_of;
-use crate::{Input, MeshFailure, Shape, flatten, merged_parts};
+use crate::scene::{flatten, merged_parts};
+use crate::{Input, MeshFailure, Shape};
 use chordal::convert::SolidReport;
 use chordal::explicit::query::{Bvh, Containment, Enclosure};
 use chordal::implicit::{Affine3, Grid};

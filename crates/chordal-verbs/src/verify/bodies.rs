@@ -1,6 +1,7 @@
 //! Triangles of several shapes of a script, each compared with its own shape.
 use super::bound_judge::{BoundJudge, JudgedBound, JudgedMesh, conclude, unable};
-use crate::{ImplicitShape, MeshFailure, field};
+use crate::mesh::field;
+use crate::{ImplicitShape, MeshFailure};
 use chordal::Mesh;
 use chordal::budget::Bound;
 use chordal::check::findings::MeshConnectivity;

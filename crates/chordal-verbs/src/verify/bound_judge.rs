@@ -1,9 +1,11 @@
 //! The distance of a result from its reference, by judges that do not depend on how the result was built.
-use crate::frame_nodes::without_frame_nodes;
-use crate::placements::distance_up;
-use crate::volume::{ValueRange, VolumeShape};
-use crate::zero_set::level_field;
-use crate::{Input, MeshFailure, Shape, field, flatten, merged_parts};
+use crate::input::volume::{ValueRange, VolumeShape};
+use crate::mesh::field;
+use crate::mesh::isosurface::zero_set::level_field;
+use crate::scene::frame_nodes::without_frame_nodes;
+use crate::scene::placements::distance_up;
+use crate::scene::{flatten, merged_parts};
+use crate::{Input, MeshFailure, Shape};
 use chordal::budget::proof::ProofEffort;
 use chordal::budget::{Bound, Failure, JobError, Metric, Reference, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};

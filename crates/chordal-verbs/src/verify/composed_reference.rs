@@ -1,10 +1,10 @@
 //! The triangles that a step read as a composition of its inputs: put together again.
-use crate::drop_attributes::without_attributes;
-use crate::file_rows::unsupported;
-use crate::flatten::{self, TransformedScene};
-use crate::merge::merge;
-use crate::placements::{largest_reach, map_rounding, scaled_up};
+use crate::output::file_rows::unsupported;
 use crate::report::ComposedFacts;
+use crate::scene::drop_attributes::without_attributes;
+use crate::scene::flatten::{self, TransformedScene};
+use crate::scene::merge::merge;
+use crate::scene::placements::{largest_reach, map_rounding, scaled_up};
 use crate::{Input, MeshFailure, Shape};
 use chordal::explicit::Semantic;
 use chordal::math::greater;

@@ -1,6 +1,6 @@
 //! The counts that a certificate claims, counted again.
 use super::claims::ClaimList;
-use crate::file_rows::to_file_rows;
+use crate::output::file_rows::to_file_rows;
 use crate::report::{CountedTriangles, Output, PolygonFacts, PolylineFacts, to_value};
 use crate::{Input, MeshFailure, Shape};
 use chordal_io::VertexRows;

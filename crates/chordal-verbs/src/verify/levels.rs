@@ -2,10 +2,10 @@
 use super::claims::ClaimList;
 use super::steps::{GivenFile, HISTORY, ProvedSteps};
 use super::{CertifiedFile, check_file, history, n_coarser_levels};
-use crate::geometry_digest::digest_in_frame;
-use crate::origin::{embedded_certificate, stated_frame};
-use crate::placements::n_places;
+use crate::provenance::geometry_digest::digest_in_frame;
+use crate::provenance::origin::{embedded_certificate, stated_frame};
 use crate::report::HistoryFacts;
+use crate::scene::placements::n_places;
 use crate::{Input, MeshFailure, Shape};
 use chordal::Job;
 use serde_json::Value;

@@ -14,11 +14,11 @@ mod unchecked;
 
 pub use claims::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport};
 
-use crate::frame_nodes::may_be_in;
-use crate::geometry_digest::digest_in_frame;
-use crate::origin::{embedded_certificate, stated_frame};
+use crate::provenance::geometry_digest::digest_in_frame;
+use crate::provenance::origin::{embedded_certificate, stated_frame};
+use crate::provenance::seal::{SEAL, seal_of};
 use crate::report::{HistoryFacts, StepBound, StepInput};
-use crate::seal::{SEAL, seal_of};
+use crate::scene::frame_nodes::may_be_in;
 use crate::{Input, MeshFailure, Shape};
 use chordal::Job;
 use claims::ClaimList;

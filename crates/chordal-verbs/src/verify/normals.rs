@@ -1,9 +1,10 @@
 //! Checks the normals of a file by its own triangles: whether they are computed as the certificate states, and whether they
 //! point to the front of their faces.
 use super::attribute_pair::{cross, degrees_off, dot, row_at};
+use crate::MeshFailure;
 use crate::Normals;
-use crate::file_rows::unsupported;
-use crate::{MeshFailure, drop_attributes::without_attributes};
+use crate::output::file_rows::unsupported;
+use crate::scene::drop_attributes::without_attributes;
 use chordal::Mesh;
 use chordal::explicit::{Semantic, Topology, with_normals};
 use chordal_io::{Format, Scene};
