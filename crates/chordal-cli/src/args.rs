@@ -1,6 +1,7 @@
 //! Arguments that several verbs share: input, output and report, with the parsers of their values.
 use crate::memory;
 use crate::options::TableArgs;
+use crate::overwrite::OverwritePolicy;
 use chordal_verbs::options::ReadOptions;
 use clap::Args;
 use std::path::PathBuf;
@@ -69,6 +70,13 @@ pub struct OutputArgs {
     /// Number of threads; 0 uses all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
+}
+
+impl OutputArgs {
+    /// What happens to an existing output.
+    pub fn existing(&self) -> OverwritePolicy {
+        OverwritePolicy::from_force(self.force)
+    }
 }
 
 /// `512M`, `8G`, `1000000`: units are powers of 1024, as usual for memory.

@@ -1,22 +1,14 @@
 //! `chordal bake`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
-use crate::clock::Clock;
-use crate::console::Console;
-use crate::execution;
-use crate::fault::{Exit, Fault};
-use crate::input::InputSource;
-use crate::load;
+use crate::fault::Fault;
 use crate::numbers::{RoundingDirection, grouped, point, short};
-use crate::output::OutputTarget;
 use crate::output_format::volume_format;
-use crate::run_outcome;
-use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
+use crate::verb_run::{RunArgs, VerbRun};
 use chordal::budget::Length;
-use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::options::values::length;
-use chordal_verbs::report::{DistanceGridFacts, Report, RunFacts};
+use chordal_verbs::report::{DistanceGridFacts, Report};
 use chordal_verbs::{BakeResolution, BakeSpec, bake};
 use clap::{ArgGroup, Args};
 
@@ -82,43 +74,26 @@ fn band(text: &str) -> Result<f64, String> {
 
 /// Reads, samples, writes, reports.
 pub fn run(args: &BakeArgs) -> Result<(), Fault> {
-    let clock = Clock::start();
-    let console = Console::new(&args.console);
     let to = volume_format(&args.output.output, args.to)?;
-    let stdout = execution::stdout(&args.output, &args.console)?;
-    let source = InputSource::from_arg(&args.input.input);
-    let job = execution::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
-    let input = load::read(&args.input, &job, &console)?;
-    load::refuse_files(&args.output.output, &args.input, &input)?;
-    let input_triangles = input.shape.n_triangles();
-    let name = source.name();
+    let run_args = RunArgs { input: &args.input, output: &args.output, console: &args.console };
+    let mut run = VerbRun::start("bake", run_args)?;
+    let target = run.target()?;
+    let input = run.read()?;
     let resolution = match (args.cells, args.tol) {
         (Some(cells), None) => BakeResolution::Cells(cells as usize),
         (None, Some(length)) => BakeResolution::Within(length),
         _ => return Err(Fault::usage("give either --cells or --tol, which set the resolution")),
     };
     let spec = BakeSpec { resolution, band: args.band, is_sparse: args.sparse, is_bounded: args.bound };
-    let outcome = bake(input, &spec, to, &job)
-        .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    let unmet = outcome.unmet.as_ref().map(|why| {
-        let hint = if args.keep_best { "" } else { "; --keep-best writes it" };
-        Fault::new(Exit::Budget, "unmet", format!("{name}: {why}{hint}"))
-    });
-    if let Some(fault) = unmet.clone().filter(|_| !args.keep_best) {
-        return Err(fault);
-    }
+    let outcome = run.made(bake(input, &spec, to, &run.job))?;
+    run.keep_best(outcome.unmet.as_ref(), args.keep_best)?;
     let solidity = outcome.certificate.baked.as_ref().and_then(|facts| facts.solid.as_ref());
     if let Some(solidity) = solidity.filter(|solidity| !solidity.is_solid) {
-        console.warn(&name, &[&solidity.sentence]);
+        run.console.warn(&run.name(), &[&solidity.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = RunFacts { input_triangles, ..run_outcome::facts("bake", name, target.name(), bytes) };
-    let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report, &summary_text(&report), stdout)?;
-    unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
+    run.print_notes(&outcome.certificate);
+    run.report(outcome.certificate, (target.name(), bytes), summary_text)
 }
 
 fn summary_text(report: &Report) -> String {

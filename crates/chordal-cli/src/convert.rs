@@ -1,28 +1,20 @@
 //! `chordal convert`
-use crate::args::{ConsoleArgs, InputArgs};
-use crate::clock::Clock;
-use crate::console::Console;
-use crate::execution;
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::fault::Fault;
-use crate::input::InputSource;
 use crate::inspect_text::quoted;
 use crate::load;
-use crate::output::OutputTarget;
 use crate::output_format::writable_format;
 use crate::output_set::OutputSetArgs;
-use crate::output_set_write::SetPlace;
-use crate::overwrite::OverwritePolicy;
-use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
+use crate::verb_run::{RunArgs, VerbRun};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::options::values::length;
-use chordal_verbs::report::{Report, RunFacts};
+use chordal_verbs::report::Report;
 use chordal_verbs::{MeshFailure, Shape, convert_within, needs_mesh, polygons_lose_no_more};
 use clap::Args;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// `chordal convert`
@@ -82,23 +74,19 @@ pub struct ConvertArgs {
 
 /// Reads, converts, writes, reports.
 pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
-    let clock = Clock::start();
-    let console = Console::new(&args.console);
     // clap requires one of the two.
     let output = args.output.as_ref().or(args.output_option.as_ref());
     let output = output.ok_or_else(|| Fault::usage("no output was given: name a file"))?;
     let to = writable_format(output, args.to)?;
-    let stdout = execution::stdout_for(output, &args.console)?;
-    let source = InputSource::from_arg(&args.input.input);
-    let job = execution::job_on_threads(&args.input, args.threads, &console);
-    let existing = if args.force { OverwritePolicy::Replace } else { OverwritePolicy::Keep };
-    let target = OutputTarget::prepare(output, existing, &source)?;
+    let output_args = OutputArgs { output: output.clone(), force: args.force, threads: args.threads };
+    let run_args = RunArgs { input: &args.input, output: &output_args, console: &args.console };
+    let mut run = VerbRun::start("convert", run_args)?;
+    let target = run.target()?;
     args.set.check(&target, to)?;
     let prefers = |polygons: &_, triangles: &_| polygons_lose_no_more(polygons, triangles, to);
-    let input = load::read_polygons(&args.input, &job, &console, prefers)?;
-    load::refuse_files(output, &args.input, &input)?;
-    let input_triangles = input.shape.n_triangles();
-    let name = source.name();
+    let input = run.read_by(|input, job, console| load::read_polygons(input, job, console, prefers))?;
+    run.refuse_files(&input)?;
+    let name = run.name();
     if needs_mesh(&input.shape, to) {
         return Err(Fault::usage(mesh_advice(&input.shape, &name, output)));
     }
@@ -107,20 +95,17 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
         return Err(Fault::usage("--tol is for drawings written as svg: other shapes are converted exactly"));
     }
     let hint = if args.tol.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };
-    let outcome = convert_within(input, args.set.form(to), args.tol, &job).spelled(&CommandLine).map_err(
-        |failure| match failure {
-            MeshFailure::Usage(why) => Fault::usage(format!("{name}: {why}{hint}")),
-            failure => run_outcome::fault(&name, &failure, ""),
-        },
-    )?;
-    let write_single = &mut |out: &mut dyn Write| outcome.write(out);
-    let input = &*args.input.input;
-    let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
-    let bytes =
-        args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))?;
-    let run = RunFacts { input_triangles, ..run_outcome::facts("convert", name, target.name(), bytes) };
-    let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    console.result(&report, &summary_text(&report), stdout)
+    let outcome = match convert_within(input, args.set.form(to), args.tol, &run.job) {
+        Err(MeshFailure::Usage(why)) => {
+            let why = why.spelled(&CommandLine);
+            return Err(Fault::usage(format!("{name}: {why}{hint}")));
+        }
+        converted => run.made(converted)?,
+    };
+    let place = run.place(&target, outcome.names_files());
+    let write_set = |stem: &str| outcome.write_files(stem);
+    let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;
+    run.report(outcome.certificate, (target.name(), bytes), summary_text)
 }
 
 /// The command that turns the shape into one that the format can hold.

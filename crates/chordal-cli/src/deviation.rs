@@ -7,7 +7,6 @@ use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, point, short};
-use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
 use crate::volume::VolumeArgs;
@@ -69,7 +68,7 @@ fn share(text: &str) -> Result<f64, String> {
 pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    let job = execution::job(&args.input, None, &console).with_threads(args.threads);
+    let job = execution::job(&args.input, args.threads, &console);
     let (first, second) = (InputSource::from_arg(&args.input.input), InputSource::from_arg(&args.against));
     if matches!((&first, &second), (InputSource::Stdin, InputSource::Stdin)) {
         return Err(Fault::usage("only one of the two shapes can be stdin"));
@@ -81,7 +80,7 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&names, &failure, ""))?;
+        .map_err(|failure| Fault::from_failure(&names, &failure))?;
     let run = RunFacts { input: Some(first.name()), ..report.run };
     report.run = clock.fill(run, &job);
     console.warn(&names, &report.certificate.notes);

@@ -1,4 +1,5 @@
 //! `Fault`: an error that ends the command, with lines for people and an exit code for programs.
+use chordal_verbs::MeshFailure;
 use std::fmt;
 
 /// The exit codes. They are part of the interface: scripts test them.
@@ -55,6 +56,18 @@ impl Fault {
     /// An output that cannot be written.
     pub fn output(code: &'static str, line: impl Into<String>) -> Self {
         Self::new(Exit::Output, code, line)
+    }
+
+    /// A verb that failed on an input.
+    pub fn from_failure(input: &str, failure: &MeshFailure) -> Self {
+        let exit = match failure.exit_code() {
+            2 => Exit::Usage,
+            3 => Exit::Input,
+            4 => Exit::Output,
+            130 => return Self::interrupted(),
+            _ => Exit::Budget,
+        };
+        Self::new(exit, failure.code(), format!("{input}: {failure}"))
     }
 
     /// A signal stopped the command. There is no line, since the signal handler prints one.

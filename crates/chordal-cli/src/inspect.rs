@@ -9,7 +9,6 @@ use crate::inspect_text;
 use crate::line_costs::line_costs;
 use crate::load;
 use crate::require::{Requirement, failures};
-use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::volume::VolumeArgs;
 use chordal::Job;
@@ -59,7 +58,7 @@ pub struct InspectArgs {
 pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    let job = execution::job(&args.input, None, &console);
+    let job = execution::job(&args.input, 0, &console);
     let (mut input, choices) = match load::read(&args.input, &job, &console) {
         Err(fault) if matches!(fault.code, "several-volumes" | "several-fonts" | "no-text") => {
             read_first(&args.input, fault, &job, &console)?
@@ -81,7 +80,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
         let depth = if deep { SurfaceDepth::Deep } else { SurfaceDepth::Counts };
         inspect_surface(&input, depth, &job)
             .spelled(&CommandLine)
-            .map_err(|failure| run_outcome::fault(&name, &failure, ""))?
+            .map_err(|failure| Fault::from_failure(&name, &failure))?
     } else if deep {
         inspect_deeply(&input, &job).spelled(&CommandLine).map_err(|stopped| fault(&name, &stopped))?
     } else {

@@ -42,7 +42,6 @@ mod program;
 mod progress;
 mod render;
 mod require;
-mod run_outcome;
 #[cfg(not(target_family = "wasm"))]
 mod signal;
 #[cfg(target_family = "wasm")]
@@ -54,6 +53,7 @@ mod stdout_at_start;
 mod studio;
 mod summary;
 mod temp_output;
+mod verb_run;
 mod verify;
 mod volume;
 mod volume_text;

@@ -1,9 +1,6 @@
 //! `chordal lod`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
-use crate::clock::Clock;
-use crate::console::Console;
-use crate::execution;
-use crate::fault::{Exit, Fault};
+use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
@@ -11,19 +8,18 @@ use crate::options::TableArgs;
 use crate::output::OutputTarget;
 use crate::output_folder::{FolderPlace, OutputFolder};
 use crate::output_set::OutputSetArgs;
-use crate::output_set_write::SetPlace;
 use crate::overwrite::parent;
-use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{SummaryLines, attribute};
+use crate::temp_output::OutputWriter;
+use crate::verb_run::{RunArgs, VerbRun};
 use chordal::budget::advice::Spell;
 use chordal_io::{Format, picture_extensions};
 use chordal_verbs::formats::extensions_where;
 use chordal_verbs::options::{LodContainer, LodOptions};
-use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
+use chordal_verbs::report::{LevelFacts, LevelsFacts, Report};
 use chordal_verbs::{Input, LodOutcome, extension, lod};
 use clap::Args;
-use std::io::Write;
 use std::path::Path;
 
 /// `chordal lod`
@@ -59,8 +55,6 @@ pub struct LodArgs {
 
 /// Reads, builds levels, writes, reports.
 pub fn run(args: &LodArgs) -> Result<(), Fault> {
-    let clock = Clock::start();
-    let console = Console::new(&args.console);
     let options = &args.options;
     let form = LodForm::of(&args.output.output)?;
     if options.place.is_some() && form != LodForm::Tiles {
@@ -69,33 +63,19 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let container = if form == LodForm::Tiles { LodContainer::Tiles } else { LodContainer::OneFile };
     let spec = options.spec(container, args.set.packing());
     let spec = spec.map_err(|why| Fault::usage(why.spelled(&CommandLine).to_string()))?;
-    let stdout = execution::stdout(&args.output, &args.console)?;
-    let source = InputSource::from_arg(&args.input.input);
-    let job = execution::job(&args.input, Some(&args.output), &console);
-    let output = LodOutput::prepare(args, form, &source)?;
-    let mut input = load::read(&args.input, &job, &console)?;
+    let run_args = RunArgs { input: &args.input, output: &args.output, console: &args.console };
+    let mut run = VerbRun::start("lod", run_args)?;
+    let output = LodOutput::prepare(args, form, &run)?;
+    let mut input = run.read_by(load::read)?;
     args.volume.apply(&mut input.shape)?;
-    let input_triangles = input.shape.n_triangles();
     // The folder is created only after the input was read.
     let output = output.open(args, &input)?;
-    let name = source.name();
-    let outcome = lod(input, &spec, &job)
-        .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    let unmet = outcome.unmet.as_ref().map(|why| {
-        let hint = if options.keep_best { "" } else { "; --keep-best writes it" };
-        Fault::new(Exit::Budget, "unmet", format!("{name}: {why}{hint}"))
-    });
-    if let Some(fault) = unmet.clone().filter(|_| !options.keep_best) {
-        return Err(fault);
-    }
+    let outcome = run.made(lod(input, &spec, &run.job))?;
+    run.keep_best(outcome.unmet.as_ref(), options.keep_best)?;
     let written = output.name();
-    let bytes = output.write(args, &outcome, &name)?;
-    let run = RunFacts { input_triangles, ..run_outcome::facts("lod", name, written, bytes) };
-    let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report, &summary_text(&report), stdout)?;
-    unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
+    let bytes = output.write(args, &outcome, &run)?;
+    run.print_notes(&outcome.certificate);
+    run.report(outcome.certificate, (written, bytes), summary_text)
 }
 
 /// The file of a tileset that lists all others.
@@ -137,22 +117,22 @@ enum LodOutput {
 }
 
 impl LodOutput {
-    fn prepare(args: &LodArgs, form: LodForm, source: &InputSource) -> Result<Self, Fault> {
-        let (output, existing) = (&args.output.output, execution::existing(&args.output));
+    fn prepare(args: &LodArgs, form: LodForm, run: &VerbRun) -> Result<Self, Fault> {
         match form {
             LodForm::Tiles if args.set.separate => {
                 Err(Fault::usage("--separate is for .gltf; a folder of tiles is several files anyway"))
             }
             LodForm::Tiles => {
-                let place = FolderPlace::new(output, existing, is_tileset_file)?;
-                match source {
+                let output = &args.output.output;
+                let place = FolderPlace::new(output, args.output.existing(), is_tileset_file)?;
+                match run.source() {
                     InputSource::File(input) => refuse_inside(&place, input, output)?,
                     InputSource::Stdin => {}
                 }
                 Ok(Self::Tiles(place))
             }
             LodForm::OneFile(format) => {
-                let target = OutputTarget::prepare(output, existing, source)?;
+                let target = run.target()?;
                 args.set.check(&target, format)?;
                 Ok(Self::OneFile(target, format))
             }
@@ -189,22 +169,19 @@ impl OpenOutput {
         }
     }
 
-    /// Writes all levels and returns the number of bytes. `input` is the name for messages.
-    fn write(self, args: &LodArgs, outcome: &LodOutcome, input: &str) -> Result<u64, Fault> {
+    /// Writes all levels and returns the number of bytes.
+    fn write(self, args: &LodArgs, outcome: &LodOutcome, run: &VerbRun) -> Result<u64, Fault> {
         match self {
             Self::Tiles(folder, _) => {
                 let files = outcome
                     .tileset()
-                    .map_err(|failure| failure.spelled(&CommandLine))
-                    .map_err(|failure| run_outcome::fault(input, &failure, ""))?;
+                    .map_err(|failure| Fault::from_failure(&run.name(), &failure.spelled(&CommandLine)))?;
                 folder.write(&files, LIST)
             }
             Self::OneFile(target, format) => {
-                let write_single = &mut |out: &mut dyn Write| outcome.write(format, out);
-                let console = &Console::new(&args.console);
-                let place =
-                    SetPlace { target: &target, input: &args.input.input, console, names_files: false };
-                args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))
+                let write_set = |stem: &str| outcome.write_files(stem);
+                let write_single: OutputWriter = &mut |out| outcome.write(format, out);
+                args.set.write(&run.place(&target, false), &outcome.certificate, write_single, write_set)
             }
         }
     }

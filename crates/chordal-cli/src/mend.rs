@@ -1,27 +1,17 @@
 //! `chordal mend`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
-use crate::clock::Clock;
-use crate::console::Console;
-use crate::execution;
 use crate::fault::Fault;
-use crate::input::InputSource;
-use crate::load;
 use crate::numbers::grouped;
 use crate::options::TableArgs;
-use crate::output::OutputTarget;
 use crate::output_format::output_format;
 use crate::output_set::OutputSetArgs;
-use crate::output_set_write::SetPlace;
-use crate::run_outcome;
-use crate::spelling::CommandLine;
 use crate::summary::{self, plural};
-use chordal::budget::advice::Spell;
+use crate::verb_run::{RunArgs, VerbRun};
 use chordal_verbs::mend;
 use chordal_verbs::options::MendOptions;
-use chordal_verbs::report::{FindingFacts, RepairFacts, Report, RunFacts, ValidityFacts};
+use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts};
 use clap::Args;
 use std::fmt::Write;
-use std::io;
 
 /// `chordal mend`
 #[derive(Args, Debug)]
@@ -52,29 +42,17 @@ pub struct MendArgs {
 
 /// Reads, mends, writes, reports.
 pub fn run(args: &MendArgs) -> Result<(), Fault> {
-    let clock = Clock::start();
-    let console = Console::new(&args.console);
     let to = output_format(&args.output.output, args.repairs.to())?;
-    let stdout = execution::stdout(&args.output, &args.console)?;
-    let source = InputSource::from_arg(&args.input.input);
-    let job = execution::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    let run_args = RunArgs { input: &args.input, output: &args.output, console: &args.console };
+    let mut run = VerbRun::start("mend", run_args)?;
+    let target = run.target()?;
     args.set.check(&target, to)?;
-    let input = load::read(&args.input, &job, &console)?;
-    load::refuse_files(&args.output.output, &args.input, &input)?;
-    let input_triangles = input.shape.n_triangles();
-    let name = source.name();
-    let outcome = mend(input, &args.repairs.spec(), args.set.form(to), &job)
-        .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    let write_single = &mut |out: &mut dyn io::Write| outcome.write(out);
-    let input = &*args.input.input;
-    let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
-    let bytes =
-        args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))?;
-    let run = RunFacts { input_triangles, ..run_outcome::facts("mend", name, target.name(), bytes) };
-    let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    console.result(&report, &summary_text(&report), stdout)
+    let input = run.read()?;
+    let outcome = run.made(mend(input, &args.repairs.spec(), args.set.form(to), &run.job))?;
+    let place = run.place(&target, outcome.names_files());
+    let write_set = |stem: &str| outcome.write_files(stem);
+    let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;
+    run.report(outcome.certificate, (target.name(), bytes), summary_text)
 }
 
 /// The repairs, inserted after the title of the usual summary.

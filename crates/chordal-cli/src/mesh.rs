@@ -1,31 +1,23 @@
 //! `chordal mesh`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::boolean::BooleanArgs;
-use crate::clock::Clock;
-use crate::console::{Console, StdoutUse};
 use crate::deadline::Deadline;
-use crate::execution;
 use crate::fault::Fault;
-use crate::input::InputSource;
 use crate::load;
 use crate::options::TableArgs;
-use crate::output::OutputTarget;
 use crate::output_format::output_format;
 use crate::output_set::OutputSetArgs;
-use crate::output_set_write::SetPlace;
 use crate::overwrite::OverwritePolicy;
-use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary;
+use crate::verb_run::{RunArgs, VerbRun};
 use crate::volume::VolumeArgs;
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal::budget::{Bound, Reference, RequiredEvidence};
 use chordal_verbs::options::MeshOptions;
-use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{BudgetSpec, MeshFailure, Shape, mesh, mesh_boolean, needs_budget, refine, time_limit};
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// `chordal mesh`
@@ -89,92 +81,81 @@ pub struct MeshRound<'a> {
 
 /// Reads, meshes, writes, reports.
 pub fn run(args: &MeshArgs) -> Result<(), Fault> {
-    let job = job(args);
-    let existing = execution::existing(&args.output);
+    let (job, existing) = (job(args), args.output.existing());
     run_once(args, &MeshRound { job: &job, existing, require: args.options.require(), on_files: &|_| () })
 }
 
 /// The job that the command line asks for.
 pub fn job(args: &MeshArgs) -> Job {
-    let mut job = execution::job(&args.input, Some(&args.output), &Console::new(&args.console));
+    let mut job = run_args(args).job();
     job.proof_effort = args.options.proof();
     job
 }
 
+fn run_args(args: &MeshArgs) -> RunArgs<'_> {
+    RunArgs { input: &args.input, output: &args.output, console: &args.console }
+}
+
 /// Reads, meshes, writes, reports, with the settings of a round.
 pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
-    let clock = Clock::start();
-    let console = Console::new(&args.console);
     let options = &args.options;
     let spec = options.spec().map_err(|why| Fault::usage(why.spelled(&CommandLine).to_string()))?;
     let spec = BudgetSpec { require: round.require, ..spec };
     let to = output_format(&args.output.output, options.to)?;
-    let stdout = execution::stdout(&args.output, &args.console)?;
-    let source = InputSource::from_arg(&args.input.input);
-    let job = round.job;
-    let target = OutputTarget::prepare(&args.output.output, round.existing, &source)?;
+    let mut run = VerbRun::with_job("mesh", run_args(args), round.job.clone())?;
+    let target = run.target_over(round.existing)?;
     args.boolean.refuse_output(&args.output.output)?;
     args.set.check(&target, to)?;
-    let place = |names_files: bool| SetPlace {
-        target: &target,
-        input: &args.input.input,
-        console: &console,
-        names_files,
-    };
-    let mut input = load::read(&args.input, job, &console)?;
-    load::refuse_files(&args.output.output, &args.input, &input)?;
+    let mut input = run.read()?;
     (round.on_files)(load::files_beside(&args.input, &input).collect());
     args.volume.apply(&mut input.shape)?;
-    let input_triangles = input.shape.n_triangles();
     if let Some(level) = options.level {
-        let refined = refine(input, (level, options.normals()), args.set.form(to), job).spelled(&CommandLine);
-        let outcome = refined.map_err(|failure| run_outcome::fault(&source.name(), &failure, ""))?;
-        let write_single = &mut |out: &mut dyn Write| outcome.write(out);
-        let place = place(outcome.names_files());
+        let outcome = run.made(refine(input, (level, options.normals()), args.set.form(to), &run.job))?;
+        let place = run.place(&target, outcome.names_files());
         let write_set = |stem: &str| outcome.write_files(stem);
-        let bytes = args.set.write(&place, &outcome.certificate, write_single, write_set)?;
-        let run = run_outcome::facts("mesh", source.name(), target.name(), bytes);
-        return print_summary(outcome.certificate, clock.fill(run, job), &console, stdout);
+        let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;
+        run.print_notes(&outcome.certificate);
+        return run.report(outcome.certificate, (target.name(), bytes), summary::mesh);
     }
-    let operands = args.boolean.read(&args.input, job, &console)?;
+    let operands = args.boolean.read(&args.input, &run.job, &run.console)?;
     (round.on_files)(args.boolean.files_beside(&args.input, &operands));
     if operands.is_empty() && !spec.has_limit() && needs_budget(&input.shape, options.normals()) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
 
-    let name = source.name();
     let form = args.set.form(to);
     if !operands.is_empty() && options.extrudes() {
         return Err(Fault::usage("--extrude makes a new solid: write it to a file first, and combine that"));
     }
-    let limit = time_limit(&input.shape, options.within, round.require, job.proof_effort);
-    let deadline = limit.map(|within| Deadline::start(job, within, Some(console)));
+    let limit = time_limit(&input.shape, options.within, round.require, run.job.proof_effort);
+    let deadline = limit.map(|within| Deadline::start(&run.job, within, Some(run.console)));
     let meshed = if operands.is_empty() {
-        mesh(input, &spec, form, job)
+        mesh(input, &spec, form, &run.job)
     } else {
-        mesh_boolean(input, operands, &spec, form, job)
+        mesh_boolean(input, operands, &spec, form, &run.job)
     };
     drop(deadline);
-    let (outcome, unmet) = match meshed.spelled(&CommandLine) {
-        Ok(outcome) => (outcome, None),
-        Err(failure) => {
-            let fault = run_outcome::fault(&name, &failure, &hint(args, &failure));
+    let outcome = match meshed {
+        Err(failure @ MeshFailure::Unmet(_)) => {
+            let failure = failure.spelled(&CommandLine);
+            let mut fault = Fault::from_failure(&run.name(), &failure);
+            let hint = hint(args, &failure);
+            fault.lines.iter_mut().for_each(|line| *line += &hint);
             match failure {
                 MeshFailure::Unmet(best) if options.keep_best || is_field(&best.bound) => {
-                    (*best, Some(fault))
+                    run.unmet = Some(fault);
+                    *best
                 }
                 _ => return Err(fault),
             }
         }
+        meshed => run.made(meshed)?,
     };
-    let write_single = &mut |out: &mut dyn Write| outcome.write(out);
-    let place = place(outcome.names_files());
-    let bytes =
-        args.set.write(&place, &outcome.certificate, write_single, |stem| outcome.write_files(stem))?;
-
-    let run = RunFacts { input_triangles, ..run_outcome::facts("mesh", name, target.name(), bytes) };
-    print_summary(outcome.certificate, clock.fill(run, job), &console, stdout)?;
-    unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
+    let place = run.place(&target, outcome.names_files());
+    let write_set = |stem: &str| outcome.write_files(stem);
+    let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;
+    run.print_notes(&outcome.certificate);
+    run.report(outcome.certificate, (target.name(), bytes), summary::mesh)
 }
 
 /// Whether the shape is a field, whose best mesh is always written.
@@ -209,18 +190,6 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
         .map(|fits| format!("--smooth {fits} alone is within it"));
     hints.extend(fits.as_deref());
     hints.iter().map(|hint| format!("; {hint}")).collect()
-}
-
-/// Prints the report or its summary.
-fn print_summary(
-    certificate: Certificate,
-    run: RunFacts,
-    console: &Console,
-    stdout: StdoutUse,
-) -> Result<(), Fault> {
-    let report = Report::new(certificate, RunFacts { verb: "mesh", ..run });
-    report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report, &summary::mesh(&report), stdout)
 }
 
 /// The error if no budget was given. Only volumes have a resolution of their own.

@@ -17,6 +17,13 @@ pub enum OverwritePolicy {
     Replace,
 }
 
+impl OverwritePolicy {
+    /// The policy with `--force`, or without.
+    pub fn from_force(is_forced: bool) -> Self {
+        if is_forced { Self::Replace } else { Self::Keep }
+    }
+}
+
 /// Refuses an output that is the input.
 ///
 /// # Errors

@@ -1,26 +1,21 @@
 //! `chordal render`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
-use crate::clock::Clock;
 use crate::console::Console;
-use crate::execution;
 use crate::fault::Fault;
-use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, point, short};
-use crate::output::OutputTarget;
-use crate::run_outcome;
-use crate::spelling::CommandLine;
 use crate::summary;
+use crate::verb_run::{RunArgs, VerbRun};
 use crate::volume::VolumeArgs;
 use chordal::Job;
-use chordal::budget::advice::Spell;
 use chordal::budget::camera::Screen;
 use chordal::budget::{Length, Pixels, View};
 use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
 use chordal_io::PictureFormat;
 use chordal_verbs::options::values::length;
-use chordal_verbs::report::{Report, RunFacts};
-use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against, render_comb};
+use chordal_verbs::{
+    Input, PictureTolerance, RenderOutcome, USUAL_SCREEN, render, render_against, render_comb,
+};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -114,53 +109,50 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 
 /// Reads, renders, writes, reports.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
-    let clock = Clock::start();
-    let console = Console::new(&args.console);
     let viewpoint = viewpoint(args)?;
     let format = picture_format(&args.output.output)?;
-    let stdout = execution::stdout(&args.output, &args.console)?;
-    let source = InputSource::from_arg(&args.input.input);
-    let job = execution::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
-    let mut input = load::read(&args.input, &job, &console)?;
-    load::refuse_files(&args.output.output, &args.input, &input)?;
-    let input_triangles = input.shape.n_triangles();
-
-    let name = source.name();
+    let run_args = RunArgs { input: &args.input, output: &args.output, console: &args.console };
+    let mut run = VerbRun::start("render", run_args)?;
+    let target = run.target()?;
+    let mut input = run.read()?;
     let options = RenderOptions {
         show: render_style(args.show),
         cull: cull_mode(args.cull),
         viewpoint,
         ..RenderOptions::default()
     };
-    let mut against = against(args, &job, &console)?;
+    let mut against = against(args, &run.job, &run.console)?;
     match &mut against {
         Some(against) => args.volume.apply_to_both([&mut input.shape, &mut against.shape])?,
         None => args.volume.apply(&mut input.shape)?,
     }
-    let outcome = match against {
-        Some(against) => render_against(input, against, args.darkest, &options, &job),
-        None if args.show == RenderMode::Comb => render_comb(&input, &options, &job),
-        None => render(&input, &options, tolerance(args), &job),
-    };
-    let outcome = outcome.spelled(&CommandLine).map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+    let outcome = run.made(match against {
+        Some(against) => render_against(input, against, args.darkest, &options, &run.job),
+        None if args.show == RenderMode::Comb => render_comb(&input, &options, &run.job),
+        None => render(&input, &options, tolerance(args), &run.job),
+    })?;
     let bytes = target.write(&mut |out| outcome.write(format, out))?;
 
-    let run = RunFacts { input_triangles, ..run_outcome::facts("render", name, target.name(), bytes) };
-    let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| console.detail(note));
+    run.print_notes(&outcome.certificate);
+    run.console.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
+    let (picture, back_share) = (picture_text(&outcome), outcome.back_share);
+    run.report(outcome.certificate, (target.name(), bytes), |report| {
+        summary::render(report, &picture, back_share)
+    })
+}
+
+/// The size of the picture, the eye, and the meaning of its colours.
+fn picture_text(outcome: &RenderOutcome) -> String {
     let Screen { width_px, height_px } = outcome.camera.screen;
     let picture = format!("{width_px}x{height_px} from {}", point(outcome.camera.eye));
-    console.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
     let scale = outcome
         .darkest
         .map(|most| format!("distances, light at 0, darkest at {}", short(most, RoundingDirection::Nearest)));
-    let lanes = report.certificate.overshade.as_ref().map(|_| {
+    let lanes = outcome.certificate.overshade.as_ref().map(|_| {
         format!("lanes a pixel, light at 1, yellow 2, orange 4, red 8, darkest at {DARKEST_LANES} and more")
     });
     let legend = scale.or(lanes);
-    let picture = legend.map_or(picture.clone(), |legend| format!("{picture}: {legend}"));
-    console.result(&report, &summary::render(&report, &picture, outcome.back_share), stdout)
+    legend.map_or(picture.clone(), |legend| format!("{picture}: {legend}"))
 }
 
 /// The shape of `--against`, which only `--show deviation` takes, and requires.

@@ -6,7 +6,6 @@ use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, short};
-use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use crate::volume::VolumeArgs;
@@ -68,7 +67,7 @@ pub enum EffortArg {
 /// Reads all files, verifies, reports.
 pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     let console = Console::new(&args.console);
-    let mut job = execution::job(&args.input, None, &console).with_threads(args.threads);
+    let mut job = execution::job(&args.input, args.threads, &console);
     if args.effort == Some(EffortArg::Best) {
         job.proof_effort = ProofEffort::Full;
     }
@@ -95,7 +94,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     args.volume.apply_to_all(std::iter::once(&mut out).chain(&mut against).map(|input| &mut input.shape))?;
     let report = verify_levels((&out, &coarser), given.as_ref(), &against, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+        .map_err(|failure| Fault::from_failure(&name, &failure))?;
     console.result(&report, &summary_text(&name, &report), StdoutUse::Free)?;
     check(&name, &report)
 }

@@ -1,6 +1,5 @@
 //! `--watch` of `chordal mesh`: meshes again whenever an input file changes, until a signal ends the process.
 use crate::console::{self, Console};
-use crate::execution;
 use crate::fault::{Exit, Fault};
 use crate::mesh::{self, MeshArgs, MeshRound};
 use crate::overwrite::OverwritePolicy;
@@ -29,7 +28,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     }
     let console = Console::new(&args.console);
     let files = WatchedFiles::default();
-    let mut existing = execution::existing(&args.output);
+    let mut existing = args.output.existing();
     loop {
         files.forget();
         files.add([&args.input.input].into_iter().chain(args.boolean.paths()).cloned());

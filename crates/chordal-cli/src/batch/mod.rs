@@ -165,7 +165,7 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
         folder: &args.output,
         work_folder: lock.as_ref().map_or_else(PathBuf::new, |lock| lock.work_folder.clone()),
         timeout: args.timeout,
-        existing: if args.force { OverwritePolicy::Replace } else { OverwritePolicy::Keep },
+        existing: OverwritePolicy::from_force(args.force),
         redo: args.redo,
         entries: &entries,
         cancel: &cancel,
