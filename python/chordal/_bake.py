@@ -6,10 +6,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import function, number, whole
-from chordal._budget import Length, Share, length_argument
+from chordal._arguments import function
+from chordal._budget import Length, Share, length_options
 from chordal._errors import BudgetError, BudgetUnmet
 from chordal._hints import keywords_hinted
+from chordal._option_tables import BAKE
+from chordal._options import options
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -64,16 +66,11 @@ def _baked(
     """The sampled distances; raises `BudgetUnmet` with the best result if the budget was not met."""
     from chordal._volume import Volume
 
-    length = length_argument(tol, rel)
-    if (cells is None) == (length is None):
+    length = length_options(tol, rel)
+    if (cells is None) == (not length):
         raise BudgetError("cells, tol, rel: give one of them")
-    arguments: _chordal.BakeArguments = {
-        "cells": None if cells is None else whole("cells", cells),
-        "length": length,
-        "band": None if band is None else number("band", band),
-        "bound": bound,
-    }
-    samples, report, unmet = source.bake(arguments, function("progress", progress))
+    given = options(BAKE, cells=cells, band=band, bound=bound)
+    samples, report, unmet = source.bake([*length, *given], function("progress", progress))
     volume = Volume(samples, report)
     if unmet is not None:
         raise BudgetUnmet(unmet, volume)

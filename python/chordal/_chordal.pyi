@@ -35,19 +35,6 @@ class Tags(TypedDict):
     creasing: str
 
 @type_check_only
-class DeviationArguments(TypedDict):
-    relative: float
-    absolute: str | None
-    max: str | None
-
-@type_check_only
-class BakeArguments(TypedDict):
-    cells: int | None
-    length: tuple[str, str] | None
-    band: float | None
-    bound: bool
-
-@type_check_only
 class FitArguments(TypedDict):
     width: int
     tolerance: float
@@ -66,18 +53,7 @@ class SurfaceArguments(TypedDict):
 class LodArguments(TypedDict):
     options: list[Option]
     tiles: bool
-    quantize: bool
-    compress: bool
-
-@type_check_only
-class PictureArguments(TypedDict):
-    show: str
-    cull: str
-    size: tuple[int, int]
-    view: str | None
-    pixels: float | None
-    length: tuple[str, str] | None
-    darkest: str | None
+    output: list[Option]
 
 @type_check_only
 class BlockArguments(TypedDict):
@@ -168,7 +144,7 @@ class Source:
     def name(self) -> str | None: ...
     def inspect(self) -> str: ...
     def deviation(
-        self, other: Source, arguments: DeviationArguments, progress: Callable[[str, int, int], object] | None
+        self, other: Source, options: list[Option], progress: Callable[[str, int, int], object] | None
     ) -> str: ...
     def surface(self, options: list[Option]) -> Source: ...
     def transformed(
@@ -176,7 +152,7 @@ class Source:
     ) -> tuple[Source, tuple[float, float | None]]: ...
     def cage(self) -> Cage: ...
     def bake(
-        self, arguments: BakeArguments, progress: Callable[[str, int, int], object] | None
+        self, options: list[Option], progress: Callable[[str, int, int], object] | None
     ) -> tuple[Source, str, str | None]: ...
     def mesh(
         self, options: list[Option], format: str, progress: Callable[[str, int, int], object] | None
@@ -191,7 +167,7 @@ class Outcome:
     def array(self, name: str) -> Array: ...
     def source(self) -> Source: ...
     def remake(
-        self, format: str, packing: tuple[bool, str | None], progress: Callable[[str, int, int], object] | None
+        self, format: str, options: Sequence[Option], progress: Callable[[str, int, int], object] | None
     ) -> Outcome: ...
     def write(self) -> bytes: ...
     @property
@@ -288,7 +264,7 @@ def joined(blocks: Sequence[Block], metres_per_unit: float | None) -> tuple[Sour
 def convert(
     source: Source,
     format: str,
-    packing: tuple[bool, str | None],
+    options: Sequence[Option],
     length: tuple[str, str] | None,
     progress: Callable[[str, int, int], object] | None,
 ) -> Conversion: ...
@@ -301,7 +277,7 @@ def mend(
 def picture(
     source: Source,
     against: Source | None,
-    arguments: PictureArguments,
+    options: list[Option],
     progress: Callable[[str, int, int], object] | None,
 ) -> Picture: ...
 def samples(source: Source) -> tuple[Array, list[list[float]], float | None]: ...

@@ -9,10 +9,12 @@ from collections.abc import Callable
 from typing import Literal, Protocol
 
 from chordal import _chordal, _files
-from chordal._arguments import function, text
+from chordal._arguments import function
 from chordal._budget import Length, Share, length_argument
 from chordal._hints import keywords_hinted
 from chordal._made import Form
+from chordal._option_tables import OUTPUT
+from chordal._options import options
 from chordal._report import Report
 from chordal._sourced import Sourced
 
@@ -64,7 +66,8 @@ class Convertible(Sourced):
         True
         """
         extension = extension_of(path, self)
-        form = Form(extension, (quantize, text("compress", compress)), function("progress", progress))
+        packing = options(OUTPUT, quantize=quantize, compress=compress)
+        form = Form(extension, packing, function("progress", progress))
         return write(self._written(form, tol, rel), path)
 
     @keywords_hinted
@@ -81,7 +84,7 @@ class Convertible(Sourced):
 
         Warns with a `UserWarning` if `export` would write further files next to it, as for the materials of an OBJ.
         """
-        written = self._written(Form(format, (quantize, text("compress", compress))), tol, rel)
+        written = self._written(Form(format, options(OUTPUT, quantize=quantize, compress=compress)), tol, rel)
         if written.names_files:
             warnings.warn("materials stand in files beside it, which export writes", stacklevel=2)
         return written.write()
@@ -89,7 +92,7 @@ class Convertible(Sourced):
     def _written(self, form: Form, tol: Length | None, rel: Share | None) -> Written:
         distance = length_argument(tol, rel)
         refuse_unknown(self, form.format)
-        return _chordal.convert(self._source, form.format, form.packing, distance, form.progress)
+        return _chordal.convert(self._source, form.format, form.options, distance, form.progress)
 
 
 def extension_of(path: str | os.PathLike[str], shape: Sourced) -> str:

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from chordal import _chordal
-from chordal._arguments import function, number
+from chordal._arguments import function
 from chordal._bound import Bound, bound_of
-from chordal._budget import Length, length
-from chordal._errors import BudgetError
+from chordal._budget import Length
 from chordal._hints import Guessed
+from chordal._option_tables import DEVIATION
+from chordal._options import options
 from chordal._report import Report
 from chordal._table import table
 
@@ -100,15 +101,8 @@ def measured(
     from chordal._verbs import shaped
 
     second = shaped("other", other)._source
-    share = number("relative", relative)
-    if share < 0:
-        raise BudgetError(f"relative: 0 or more, not {share}")
-    arguments: _chordal.DeviationArguments = {
-        "relative": share,
-        "absolute": None if absolute is None else length("absolute", absolute),
-        "max": None if max is None else length("max", max),
-    }
-    report = Report(json.loads(one.deviation(second, arguments, function("progress", progress))))
+    given = options(DEVIATION, relative=relative, absolute=absolute, max=max)
+    report = Report(json.loads(one.deviation(second, given, function("progress", progress))))
     facts = report["deviation"]
     return Deviation(
         bound=bound_of(report["certificate"]["bound"]),

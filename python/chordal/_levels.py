@@ -14,7 +14,7 @@ from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, length_options
 from chordal._errors import BudgetUnmet
 from chordal._hints import Guessed, keywords_hinted
-from chordal._option_tables import LOD
+from chordal._option_tables import LOD, OUTPUT
 from chordal._options import options
 from chordal._recipe import Recipe, Remakeable
 from chordal._report import Report
@@ -211,8 +211,6 @@ class Levelled(Sourced):
         >>> levels.at(1e6).bound.at_most <= ring.mesh(triangles=40).bound.at_most * 40
         True
         """
-        if compress not in (None, "meshopt"):
-            raise ValueError("compress: 'meshopt' is the one codec")
         numbers = [repr(number("distances", distance)) for distance in distances]
         given = options(
             LOD,
@@ -231,8 +229,7 @@ class Levelled(Sourced):
         arguments: _chordal.LodArguments = {
             "options": [*length_options(tol, rel), *given],
             "tiles": tile_triangles is not None,
-            "quantize": bool(quantize),
-            "compress": compress is not None,
+            "output": options(OUTPUT, quantize=quantize, compress=compress),
         }
         levels = _levels_of(self, arguments, function("progress", progress))
         unmet = levels._levels.unmet

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
@@ -10,16 +10,17 @@ from chordal._errors import BudgetUnmet
 
 if TYPE_CHECKING:
     from chordal import _chordal
+    from chordal._options import Option
 
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class Form:
-    """The form of a file: its format, for a glTF whether it is quantized and how it is compressed, and a callback for progress."""
+    """The form of a file: its format, the options for its numbers, and a callback for progress."""
 
     format: str
-    packing: tuple[bool, str | None] = (False, None)
+    options: Sequence[Option] = ()
     progress: Callable[[str, int, int], object] | None = None
 
 
@@ -39,7 +40,7 @@ def remade(
     """The outcome of the same budget for a format, including its rounding. If that is not met, `BudgetUnmet` carries the result
     of `make`.
     """
-    for_format = outcome.remake(form.format, form.packing, form.progress)
+    for_format = outcome.remake(form.format, form.options, form.progress)
     # If the budget was not met before, either, the caller knows, and may write the best result.
     if outcome.unmet is None:
         of_outcome(for_format, make)

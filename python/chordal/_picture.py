@@ -8,10 +8,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 
 from chordal import _chordal, _files
-from chordal._arguments import function, number, text, whole
+from chordal._arguments import function, whole
 from chordal._arrays import as_asked
-from chordal._budget import Length, length, length_argument
+from chordal._budget import Length
 from chordal._hints import Guessed, keywords_hinted
+from chordal._option_tables import PICTURE
+from chordal._options import options
 from chordal._report import Report
 from chordal._sourced import Sourced
 from chordal._view import View, words_of
@@ -140,25 +142,22 @@ class Pictured(Sourced):
         """
         if not isinstance(size, Sequence) or isinstance(size, str) or len(size) != 2:
             raise TypeError(f"size: columns and rows, as in (1280, 960), not {size!r}")
-        width, height = (whole("size", side) for side in size)
+        columns, rows = (whole("size", side) for side in size)
         if (show == "deviation") != (against is not None):
             raise ValueError("against: for show='deviation', which needs it")
         if pixels is not None and tol is not None:
             raise ValueError("pixels, tol: give one of them")
-        distance = length_argument(tol, None)
-        styles = ("shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb")
-        if show not in styles:
-            raise ValueError(f"show: one of {', '.join(styles)}, not {show!r}")
-        arguments: _chordal.PictureArguments = {
-            "show": show,
-            "cull": text("cull", cull) or "",
-            "size": (width, height),
-            "view": None if view is None else words_of(view),
-            "pixels": None if pixels is None else number("pixels", pixels),
-            "length": distance,
-            "darkest": None if darkest is None else length("darkest", darkest),
-        }
+        given = options(
+            PICTURE,
+            show=show,
+            cull=cull,
+            size=f"{columns}x{rows}",
+            view=None if view is None else words_of(view),
+            pixels=pixels,
+            tol=tol,
+            darkest=darkest,
+        )
         from chordal._verbs import shaped
 
         other = None if against is None else shaped("against", against)._source
-        return Picture(_chordal.picture(self._source, other, arguments, function("progress", progress)))
+        return Picture(_chordal.picture(self._source, other, given, function("progress", progress)))

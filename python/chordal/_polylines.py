@@ -147,14 +147,14 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
         if self._outcome is not None:
             return remade(self._outcome, Polylines, form)
         # Polylines from another process have their JSON file instead of an outcome.
-        if form.format == "json" and form.packing == (False, None):
+        if form.format == "json" and not form.options:
             return _Kept(self._file, self._text)
         source = _chordal.Source(self._file, plain_reading("json"))
-        return _chordal.convert(source, form.format, form.packing, None, form.progress)
+        return _chordal.convert(source, form.format, form.options, None, form.progress)
 
     def __reduce__(self) -> Any:
         names = ("points", "places", "starts", "closed", "sources")
-        content = self._file if self._outcome is None else self._outcome.remake("json", (False, None), None).write()
+        content = self._file if self._outcome is None else self._outcome.remake("json", (), None).write()
         return _again, (self._text, {name: self._array(name) for name in names}, content)
 
     def __repr__(self) -> str:

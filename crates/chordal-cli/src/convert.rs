@@ -3,15 +3,15 @@ use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::fault::Fault;
 use crate::inspect_text::quoted;
 use crate::load;
+use crate::options::TableArgs;
 use crate::output_format::writable_format;
 use crate::output_set::OutputSetArgs;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
 use crate::verb_run::{RunArgs, VerbRun};
-use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
-use chordal_verbs::options::values::length;
+use chordal_verbs::options::ConvertOptions;
 use chordal_verbs::report::Report;
 use chordal_verbs::{MeshFailure, Shape, convert_within, needs_mesh, polygons_lose_no_more};
 use clap::Args;
@@ -45,14 +45,8 @@ pub struct ConvertArgs {
     )]
     pub output_option: Option<PathBuf>,
 
-    /// Output format, if not the one that the file name implies
-    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
-    pub to: Option<Format>,
-
-    /// For a drawing with arcs or rational curves to .svg, which has only cubics: maximum distance to them;
-    /// 0.1, 0.1mm, or 0.05% of the diagonal of its bounding box. Lines and cubics do not change
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, help_heading = "Output")]
-    pub tol: Option<Length>,
+    #[command(flatten)]
+    pub options: TableArgs<ConvertOptions>,
 
     /// Overwrite the output if it exists
     #[arg(long, help_heading = "Output")]
@@ -77,12 +71,12 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     // clap requires one of the two.
     let output = args.output.as_ref().or(args.output_option.as_ref());
     let output = output.ok_or_else(|| Fault::usage("no output was given: name a file"))?;
-    let to = writable_format(output, args.to)?;
+    let to = writable_format(output, args.options.to)?;
     let output_args = OutputArgs { output: output.clone(), force: args.force, threads: args.threads };
     let run_args = RunArgs { input: &args.input, output: &output_args, console: &args.console };
     let mut run = VerbRun::start("convert", run_args)?;
     let target = run.target()?;
-    args.set.check(&target, to)?;
+    let form = args.set.form_for(&target, to)?;
     let prefers = |polygons: &_, triangles: &_| polygons_lose_no_more(polygons, triangles, to);
     let input = run.read_by(|input, job, console| load::read_polygons(input, job, console, prefers))?;
     run.refuse_files(&input)?;
@@ -91,11 +85,11 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
         return Err(Fault::usage(mesh_advice(&input.shape, &name, output)));
     }
     let is_drawing = matches!(input.shape, Shape::Drawing(_));
-    if args.tol.is_some() && !(is_drawing && to == Format::Svg) {
+    if args.options.length.is_some() && !(is_drawing && to == Format::Svg) {
         return Err(Fault::usage("--tol is for drawings written as svg: other shapes are converted exactly"));
     }
-    let hint = if args.tol.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };
-    let outcome = match convert_within(input, args.set.form(to), args.tol, &run.job) {
+    let hint = if args.options.length.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };
+    let outcome = match convert_within(input, form, args.options.length, &run.job) {
         Err(MeshFailure::Usage(why)) => {
             let why = why.spelled(&CommandLine);
             return Err(Fault::usage(format!("{name}: {why}{hint}")));

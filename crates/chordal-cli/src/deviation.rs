@@ -7,12 +7,11 @@ use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, point, short};
+use crate::options::TableArgs;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
 use crate::volume::VolumeArgs;
-use chordal::budget::Length;
 use chordal::budget::advice::Spell;
-use chordal_verbs::options::values::length;
 use chordal_verbs::report::{DeviationFacts, OneSidedFacts, Report, RunFacts, Verdict};
 use chordal_verbs::{DeviationSpec, deviation};
 use clap::Args;
@@ -32,18 +31,8 @@ pub struct DeviationArgs {
     #[arg(value_name = "AGAINST", index = 2)]
     pub against: PathBuf,
 
-    /// Exit with code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the
-    /// diagonal of AGAINST's bounding box. Stops as soon as that is decided
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
-    pub max: Option<Length>,
-
-    /// The largest gap between upper and lower bound, as a share of the lower one
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, allow_hyphen_values = true)]
-    pub relative: f64,
-
-    /// The largest gap between upper and lower bound, as a length; meeting either limit is enough
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
-    pub absolute: Option<Length>,
+    #[command(flatten)]
+    pub options: TableArgs<DeviationSpec>,
 
     /// Number of threads; 0 uses all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -59,11 +48,6 @@ pub struct DeviationArgs {
     pub console: ConsoleArgs,
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    let share = text.parse::<f64>().map_err(|_| "expected a share like 0.1".to_owned())?;
-    if share >= 0.0 && share.is_finite() { Ok(share) } else { Err("a share is 0 or more".to_owned()) }
-}
-
 /// Reads both shapes, measures, reports, and checks the limit.
 pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let clock = Clock::start();
@@ -76,9 +60,8 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
     let [mut a, mut b] = load::read_both([&args.input, &against], &job, &console)?;
     args.volume.apply_to_both([&mut a.shape, &mut b.shape])?;
-    let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
-    let mut report = deviation(a, b, &spec, &job)
+    let mut report = deviation(a, b, &args.options, &job)
         .spelled(&CommandLine)
         .map_err(|failure| Fault::from_failure(&names, &failure))?;
     let run = RunFacts { input: Some(first.name()), ..report.run };

@@ -8,6 +8,7 @@ use crate::input::InputSource;
 use crate::inspect_text;
 use crate::line_costs::line_costs;
 use crate::load;
+use crate::options::TableArgs;
 use crate::require::{Requirement, failures};
 use crate::spelling::CommandLine;
 use crate::volume::VolumeArgs;
@@ -15,6 +16,7 @@ use chordal::Job;
 use chordal::budget::advice::{Message, Spell};
 use chordal::budget::{JobError, Length};
 use chordal_io::font::{fonts_in, letters_in};
+use chordal_verbs::options::InspectOptions;
 use chordal_verbs::options::values::length;
 use chordal_verbs::report::{RunFacts, ValidityFacts};
 use chordal_verbs::{Input, Shape, SurfaceDepth, inspect, inspect_deeply, inspect_surface};
@@ -34,9 +36,8 @@ pub struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
 
-    /// Find triangles that cross, overlap or touch without being neighbours: exactly, in seconds for millions
-    #[arg(long)]
-    pub self_intersections: bool,
+    #[command(flatten)]
+    pub options: TableArgs<InspectOptions>,
 
     /// For a shape script: mesh the last shape of each line by itself within this length (default: 0.1% of
     /// the whole shape), and list triangles, seconds and bound
@@ -72,7 +73,8 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
         InputSource::Stdin => "-".to_owned(),
         InputSource::File(_) => name.clone(),
     };
-    let deep = args.self_intersections || args.require.iter().any(|required| required.needs_deep_check());
+    let deep =
+        args.options.self_intersections || args.require.iter().any(|required| required.needs_deep_check());
     // Without any option for a surface, only the samples of a volume are inspected.
     let is_volume = matches!(input.shape, Shape::Volume(_));
     let has_surface = args.volume.named().is_some() || deep || !args.require.is_empty();

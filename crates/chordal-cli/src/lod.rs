@@ -61,7 +61,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         return Err(Fault::usage("--at is for a folder of 3D Tiles: a glTF has no place on the Earth"));
     }
     let container = if form == LodForm::Tiles { LodContainer::Tiles } else { LodContainer::OneFile };
-    let spec = options.spec(container, args.set.packing());
+    let spec = options.spec(container, args.set.packing);
     let spec = spec.map_err(|why| Fault::usage(why.spelled(&CommandLine).to_string()))?;
     let run_args = RunArgs { input: &args.input, output: &args.output, console: &args.console };
     let mut run = VerbRun::start("lod", run_args)?;
@@ -119,7 +119,7 @@ enum LodOutput {
 impl LodOutput {
     fn prepare(args: &LodArgs, form: LodForm, run: &VerbRun) -> Result<Self, Fault> {
         match form {
-            LodForm::Tiles if args.set.separate => {
+            LodForm::Tiles if args.set.is_separate => {
                 Err(Fault::usage("--separate is for .gltf; a folder of tiles is several files anyway"))
             }
             LodForm::Tiles => {
@@ -133,7 +133,7 @@ impl LodOutput {
             }
             LodForm::OneFile(format) => {
                 let target = run.target()?;
-                args.set.check(&target, format)?;
+                args.set.form_for(&target, format)?;
                 Ok(Self::OneFile(target, format))
             }
         }

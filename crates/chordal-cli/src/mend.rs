@@ -46,9 +46,9 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let run_args = RunArgs { input: &args.input, output: &args.output, console: &args.console };
     let mut run = VerbRun::start("mend", run_args)?;
     let target = run.target()?;
-    args.set.check(&target, to)?;
+    let form = args.set.form_for(&target, to)?;
     let input = run.read()?;
-    let outcome = run.made(mend(input, &args.repairs.spec(), args.set.form(to), &run.job))?;
+    let outcome = run.made(mend(input, &args.repairs.spec(), form, &run.job))?;
     let place = run.place(&target, outcome.names_files());
     let write_set = |stem: &str| outcome.write_files(stem);
     let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;

@@ -105,12 +105,12 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     let mut run = VerbRun::with_job("mesh", run_args(args), round.job.clone())?;
     let target = run.target_over(round.existing)?;
     args.boolean.refuse_output(&args.output.output)?;
-    args.set.check(&target, to)?;
+    let form = args.set.form_for(&target, to)?;
     let mut input = run.read()?;
     (round.on_files)(load::files_beside(&args.input, &input).collect());
     args.volume.apply(&mut input.shape)?;
     if let Some(level) = options.level {
-        let outcome = run.made(refine(input, (level, options.normals()), args.set.form(to), &run.job))?;
+        let outcome = run.made(refine(input, (level, options.normals()), form, &run.job))?;
         let place = run.place(&target, outcome.names_files());
         let write_set = |stem: &str| outcome.write_files(stem);
         let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;
@@ -123,7 +123,6 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
 
-    let form = args.set.form(to);
     if !operands.is_empty() && options.extrudes() {
         return Err(Fault::usage("--extrude makes a new solid: write it to a file first, and combine that"));
     }

@@ -1,5 +1,5 @@
 //! `TableArgs`: a table of options as arguments of the command.
-use chordal_verbs::options::{OptionRow, OptionTable, OptionValues};
+use chordal_verbs::options::{OptionRow, OptionTable, OptionValues, spelled_help};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMatches};
@@ -83,7 +83,7 @@ fn spelled(name: &str, value: Option<&str>) -> String {
 fn argument<S: OptionTable>(row: &'static OptionRow<S>) -> Arg {
     let argument = Arg::new(row.name)
         .long(row.name)
-        .help(row.spelled_help(spelled))
+        .help(spelled_help(row.help, spelled))
         .help_heading(row.section.heading())
         .conflicts_with_all(row.conflicts.iter().copied());
     let argument = row.needs.into_iter().fold(argument, |argument, needed| argument.requires(needed));
@@ -100,7 +100,8 @@ fn argument<S: OptionTable>(row: &'static OptionRow<S>) -> Arg {
         None => argument,
     };
     if let OptionValues::Words(words) = row.values {
-        let words = words.iter().map(|(word, help)| PossibleValue::new(*word).help(*help));
+        let words =
+            words.iter().map(|(word, help)| PossibleValue::new(*word).help(spelled_help(help, spelled)));
         return argument.value_parser(PossibleValuesParser::new(words));
     }
     // Longitudes and latitudes can begin with a minus as well.

@@ -46,7 +46,7 @@ impl OutputSetArgs {
             }
             return target.write(one);
         };
-        if !self.separate && !names_files {
+        if !self.is_separate && !names_files {
             return target.write(one);
         }
         let stem = path.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();

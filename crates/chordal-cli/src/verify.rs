@@ -6,15 +6,16 @@ use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, short};
+use crate::options::TableArgs;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use crate::volume::VolumeArgs;
 use chordal::budget::advice::Spell;
-use chordal::budget::proof::ProofEffort;
+use chordal_verbs::options::VerifyOptions;
 use chordal_verbs::{
     ClaimFacts, ClaimVerdict, VerifyReport, inputs_to_verify, n_coarser_levels, verify_levels,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -36,10 +37,8 @@ pub struct VerifyArgs {
     #[arg(long, value_name = "REPORT")]
     pub certificate: Option<PathBuf>,
 
-    /// best: run every check to its end, however long that takes. By default a check gets about as much work
-    /// as making the result took; a claim that is open then counts as not re-proved
-    #[arg(long, value_name = "HOW")]
-    pub effort: Option<EffortArg>,
+    #[command(flatten)]
+    pub options: TableArgs<VerifyOptions>,
 
     /// Number of threads; 0 uses all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -55,22 +54,11 @@ pub struct VerifyArgs {
     pub console: ConsoleArgs,
 }
 
-/// The effort of the checks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum EffortArg {
-    /// Until decided, however long it takes
-    Best,
-    /// About as much work as making the result took
-    Fast,
-}
-
 /// Reads all files, verifies, reports.
 pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     let console = Console::new(&args.console);
     let mut job = execution::job(&args.input, args.threads, &console);
-    if args.effort == Some(EffortArg::Best) {
-        job.proof_effort = ProofEffort::Full;
-    }
+    job.proof_effort = args.options.proof();
     let name = InputSource::from_arg(&args.input.input).name();
     let given = args.certificate.as_deref().map(read_report).transpose()?;
     // --surface applies to inputs that were read as cages, not to the output that was made from them.

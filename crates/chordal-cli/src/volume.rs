@@ -1,6 +1,7 @@
 //! Options for volumes: which surface of the samples to take.
 use crate::fault::Fault;
 use crate::options::TableArgs;
+use chordal_verbs::options::not_a_volume;
 use chordal_verbs::{Shape, SurfaceSpec};
 
 /// Arguments for volumes.
@@ -12,11 +13,8 @@ impl VolumeArgs {
     /// # Errors
     /// If the shape is no volume and an option was given.
     pub fn apply(&self, shape: &mut Shape) -> Result<(), Fault> {
-        let kind = shape.kind();
         match (self.apply_where_volume(shape), self.named()) {
-            (false, Some(name)) => {
-                Err(Fault::usage(format!("{name} is for volumes, and the input holds {kind}")))
-            }
+            (false, Some(name)) => Err(Fault::usage(not_a_volume(&name, shape))),
             _ => Ok(()),
         }
     }

@@ -1,6 +1,7 @@
 //! Conversion of a shape to another format.
 use crate::outcome::{FileBytes, file_bytes, form_of};
 use crate::source::Source;
+use crate::spec::GivenOptions;
 use crate::spelling::Keywords;
 use crate::work::ProgressListener;
 use crate::{failure, work};
@@ -28,11 +29,11 @@ pub(crate) fn convert(
     py: Python<'_>,
     source: &Source,
     format: &str,
-    packing: (bool, Option<String>),
+    options: GivenOptions,
     length: Option<(String, String)>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Conversion> {
-    let form = form_of(format, packing.0, packing.1.as_deref())?;
+    let form = form_of(py, format, &options)?;
     let length = length.map(|(name, text)| {
         text.parse::<Length>().map_err(|error| failure::budget(py, &format!("{name}: {error}")))
     });

@@ -1,23 +1,13 @@
 //! The deviation of two shapes, and the verification of certificates, from Python's arguments.
 use crate::source::Source;
-use crate::spec::parse_argument;
+use crate::spec::{GivenOptions, request};
 use crate::work::ProgressListener;
 use crate::{failure, work};
-use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_verbs::{DeviationSpec, Input, deviation, history_of, verify};
 use pyo3::prelude::*;
 use std::sync::Arc;
-
-/// The tolerances of the measurement, as Python passes them.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct DeviationArguments {
-    relative: f64,
-    absolute: Option<String>,
-    max: Option<String>,
-}
 
 /// A shape and the name of its file.
 pub(crate) struct NamedInput {
@@ -30,14 +20,10 @@ pub(crate) fn report(
     py: Python<'_>,
     shape: NamedInput,
     other: NamedInput,
-    arguments: DeviationArguments,
+    options: &GivenOptions,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let spec = DeviationSpec {
-        relative: arguments.relative,
-        absolute: parse_argument::<Length>("absolute", arguments.absolute.as_deref())?,
-        max: parse_argument::<Length>("max", arguments.max.as_deref())?,
-    };
+    let spec: DeviationSpec = request(py, options)?;
     let listener = ProgressListener::new(progress, "deviation");
     let measured = work::run(py, listener, move |job| {
         let (a, b) = (Input::clone(&shape.input), Input::clone(&other.input));

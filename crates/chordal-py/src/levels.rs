@@ -6,9 +6,8 @@ use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
-use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format};
-use chordal_verbs::options::{LodContainer, LodOptions};
+use chordal_verbs::options::{LodContainer, LodOptions, OutputOptions};
 use chordal_verbs::report::{BoundFacts, Report, RunFacts};
 use chordal_verbs::{Input, LodOutcome, LodSpec, Shape, lod};
 use pyo3::prelude::*;
@@ -22,16 +21,16 @@ pub(crate) struct LodArguments {
     options: GivenOptions,
     /// Whether a large finest level is split into tiles.
     tiles: bool,
-    quantize: bool,
-    compress: bool,
+    /// The options of the files.
+    output: GivenOptions,
 }
 
 impl LodArguments {
     fn spec(&self, py: Python<'_>) -> PyResult<LodSpec> {
         let options: LodOptions = request(py, &self.options)?;
         let container = if self.tiles { LodContainer::Tiles } else { LodContainer::OneFile };
-        let packing = GltfPacking { is_compressed: self.compress, is_quantized: self.quantize };
-        options.spec(container, packing).map_err(|why| mismatch(py, why))
+        let output: OutputOptions = request(py, &self.output)?;
+        options.spec(container, output.packing).map_err(|why| mismatch(py, why))
     }
 }
 

@@ -3,21 +3,21 @@ use crate::array::Array;
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
 use crate::source::Source;
-use crate::spec::Patience;
+use crate::spec::{GivenOptions, Patience, request};
 use crate::spelling::Keywords;
 use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
-use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format, Scene};
-use chordal_verbs::formats::{in_words, names_where};
+use chordal_verbs::options::OutputOptions;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{
     BooleanOperand, BudgetSpec, Input, MendSpec, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation,
     mend, mesh, mesh_boolean, sha256, time_limit,
 };
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
@@ -219,10 +219,10 @@ impl Outcome {
         &self,
         py: Python<'_>,
         format: &str,
-        packing: (bool, Option<String>),
+        options: GivenOptions,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let form = form_of(format, packing.0, packing.1.as_deref())?;
+        let form = form_of(py, format, &options)?;
         if form == self.form {
             return Ok(Self { order: self.order.clone(), form, run: self.run.clone() });
         }
@@ -255,19 +255,11 @@ impl Outcome {
     }
 }
 
-/// A format with the packing of a glTF.
-pub(crate) fn form_of(format: &str, quantize: bool, compress: Option<&str>) -> PyResult<OutputForm> {
+/// A format with the options of its file.
+pub(crate) fn form_of(py: Python<'_>, format: &str, options: &GivenOptions) -> PyResult<OutputForm> {
     let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
-    if compress.is_some_and(|codec| codec != "meshopt") {
-        return Err(failure::argument("compress", "'meshopt' is the only codec"));
-    }
-    let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: quantize };
-    if packing != GltfPacking::default() && !to.is_gltf() {
-        let name = if quantize { "quantize" } else { "compress" };
-        let names = in_words(&names_where(Format::is_gltf), "and");
-        return Err(failure::argument(name, format!("it is for {names}; {to} holds plain numbers")));
-    }
-    Ok(OutputForm { format: to, packing })
+    let options: OutputOptions = request(py, options)?;
+    options.form(to).map_err(|why| PyValueError::new_err(why.spelled(&Keywords).to_string()))
 }
 
 /// A file and the files that it references, for Python.

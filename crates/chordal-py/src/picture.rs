@@ -1,84 +1,21 @@
 //! Pictures, from Python's arguments.
 use crate::array::{Array, ArrayData};
 use crate::source::Source;
-use crate::spec::parse_argument;
+use crate::spec::{GivenOptions, mismatch, request};
 use crate::work::ProgressListener;
 use crate::{failure, work};
+use chordal::budget::View;
 use chordal::budget::advice::Spell;
-use chordal::budget::camera::Screen;
-use chordal::budget::{Length, Pixels, View};
-use chordal::render::{self, CullMode, RenderOptions, RenderStyle, Viewpoint};
+use chordal::render;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::PictureFormat;
+use chordal_verbs::options::{PictureContent, PictureOptions};
 use chordal_verbs::report::{Report, RunFacts};
-use chordal_verbs::{PictureTolerance, RenderOutcome, render, render_against, render_comb};
+use chordal_verbs::{RenderOutcome, render, render_against, render_comb};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
-
-/// The contents and the view of a picture, as Python passes them.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct PictureArguments {
-    show: String,
-    cull: String,
-    size: (u32, u32),
-    view: Option<String>,
-    pixels: Option<f64>,
-    length: Option<(String, String)>,
-    darkest: Option<String>,
-}
-
-const STYLES: [(&str, RenderStyle); 6] = [
-    ("shaded", RenderStyle::Shaded),
-    ("flat", RenderStyle::Flat),
-    ("wire", RenderStyle::Wire),
-    ("normals", RenderStyle::Normals),
-    ("zebra", RenderStyle::Zebra),
-    ("overshade", RenderStyle::Overshade),
-];
-
-impl PictureArguments {
-    fn options(&self, py: Python<'_>) -> PyResult<RenderOptions> {
-        let view = self.view.as_deref().map(str::parse::<View>).transpose();
-        let view = view.map_err(|error| failure::budget(py, &format!("view: {error}")))?;
-        let (width_px, height_px) = self.size;
-        let viewpoint = match view {
-            Some(View::Camera(camera)) => Viewpoint::Camera(camera),
-            Some(View::MinDistance(_)) => {
-                let message = "view: a picture needs a camera with a position: add eye= and target=";
-                return Err(failure::budget(py, message));
-            }
-            None => Viewpoint::Automatic(Screen { width_px, height_px }),
-        };
-        let show = STYLES
-            .iter()
-            .find(|(name, _)| *name == self.show)
-            .map_or(RenderStyle::Shaded, |(_, style)| *style);
-        let cull = match self.cull.as_str() {
-            "none" => CullMode::None,
-            "back" => CullMode::Back,
-            "front" => CullMode::Front,
-            other => {
-                return Err(failure::argument("cull", format!("'none', 'back' or 'front', not '{other}'")));
-            }
-        };
-        Ok(RenderOptions { show, cull, viewpoint, ..RenderOptions::default() })
-    }
-
-    fn tolerance(&self, py: Python<'_>) -> PyResult<Option<PictureTolerance>> {
-        if let Some(pixels) = self.pixels {
-            let pixels =
-                Pixels::new(pixels).map_err(|error| failure::budget(py, &format!("pixels: {error}")))?;
-            return Ok(Some(PictureTolerance::Pixels(pixels)));
-        }
-        let Some((name, text)) = &self.length else { return Ok(None) };
-        let length =
-            text.parse::<Length>().map_err(|error| failure::budget(py, &format!("{name}: {error}")))?;
-        Ok(Some(PictureTolerance::Length(length)))
-    }
-}
 
 /// A picture with its facts.
 struct ShownPicture {
@@ -119,17 +56,17 @@ pub(crate) fn picture(
     py: Python<'_>,
     source: &Source,
     against: Option<&Source>,
-    arguments: PictureArguments,
+    options: GivenOptions,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Picture> {
-    let (options, tolerance) = (arguments.options(py)?, arguments.tolerance(py)?);
-    let darkest = parse_argument::<Length>("darkest", arguments.darkest.as_deref())?;
+    let request: PictureOptions = request(py, &options)?;
+    let options = request.render_options().map_err(|why| mismatch(py, why))?;
     let (input, other) = (Arc::clone(source.input()), against.map(|other| Arc::clone(other.input())));
-    let is_comb = arguments.show == "comb";
+    let is_comb = request.content == PictureContent::Comb;
     let outcome = work::run(py, ProgressListener::new(progress, "render"), move |job| match other {
-        Some(other) => render_against((*input).clone(), (*other).clone(), darkest, &options, job),
+        Some(other) => render_against((*input).clone(), (*other).clone(), request.darkest, &options, job),
         None if is_comb => render_comb(&input, &options, job),
-        None => render(&input, &options, tolerance, job),
+        None => render(&input, &options, request.tolerance, job),
     })?;
     let outcome = outcome.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
     let name = source.named_input().name;

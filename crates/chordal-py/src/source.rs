@@ -1,12 +1,12 @@
 //! `Source`: a shape that was read or made, for Python.
 use crate::cage::Cage;
 use crate::curve::curves;
-use crate::deviation::{self, DeviationArguments, NamedInput};
+use crate::deviation::{self, NamedInput};
 use crate::outcome::{MeshOrder, MeshTask, Outcome};
 use crate::python_leaf::CallLog;
 use crate::script_value::take_exception;
 use crate::spec::{self, GivenOptions, parse_argument};
-use crate::volume::{BakeArguments, BakedVolume, bake_input};
+use crate::volume::{BakedVolume, bake_input};
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::{Refusal, RefusalCode, Unit};
@@ -159,10 +159,10 @@ impl Source {
         &self,
         py: Python<'_>,
         other: &Self,
-        arguments: DeviationArguments,
+        options: GivenOptions,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
-        deviation::report(py, self.named_input(), other.named_input(), arguments, progress)
+        deviation::report(py, self.named_input(), other.named_input(), &options, progress)
     }
 
     /// A volume with options for its surface.
@@ -208,11 +208,10 @@ impl Source {
     fn bake(
         &self,
         py: Python<'_>,
-        arguments: BakeArguments,
+        options: GivenOptions,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<BakedVolume> {
-        bake_input(py, self.named_input(), arguments, progress)
-            .map_err(|error| self.raised().unwrap_or(error))
+        bake_input(py, self.named_input(), &options, progress).map_err(|error| self.raised().unwrap_or(error))
     }
 
     /// Triangles or polylines within a budget, rounded as in a file of a format.

@@ -2,14 +2,15 @@
 use crate::array::{Array, ArrayData};
 use crate::deviation::NamedInput;
 use crate::source::Source;
+use crate::spec::{GivenOptions, request};
 use crate::work::ProgressListener;
 use crate::{failure, work};
-use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::{Format, Volume};
+use chordal_verbs::options::BakeOptions;
 use chordal_verbs::report::{Report, RunFacts};
-use chordal_verbs::{BakeResolution, BakeSpec, Input, Shape, SurfaceSpec, VolumeShape, bake, sha256};
+use chordal_verbs::{Input, Shape, SurfaceSpec, VolumeShape, bake, sha256};
 use pyo3::prelude::*;
 
 /// Samples as an array with axes z, y, x, x fastest; the three rows of the matrix from an index (x, y, z, 1)
@@ -34,35 +35,6 @@ pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64
     Ok((array, affine, sampled.volume.frame.metres_per_unit))
 }
 
-/// The options of a bake, as Python passes them.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct BakeArguments {
-    /// Either this or `length`.
-    cells: Option<usize>,
-    /// The name of the argument, and the length as text.
-    length: Option<(String, String)>,
-    band: Option<f64>,
-    bound: bool,
-}
-
-impl BakeArguments {
-    /// The same as the verbs take them.
-    fn spec(self, py: Python<'_>) -> PyResult<BakeSpec> {
-        let resolution = match (self.cells, self.length) {
-            (Some(cells), None) => BakeResolution::Cells(cells),
-            (None, Some((name, text))) => {
-                let length = text.parse::<Length>();
-                BakeResolution::Within(
-                    length.map_err(|error| failure::budget(py, &format!("{name}: {error}")))?,
-                )
-            }
-            _ => return Err(failure::budget(py, "cells, tol, rel: give one of them")),
-        };
-        Ok(BakeSpec { resolution, band: self.band, is_sparse: false, is_bounded: self.bound })
-    }
-}
-
 /// Distances, the report, and why the budget was not met, if so.
 pub(crate) type BakedVolume = (Source, String, Option<String>);
 
@@ -70,10 +42,11 @@ pub(crate) type BakedVolume = (Source, String, Option<String>);
 pub(crate) fn bake_input(
     py: Python<'_>,
     named: NamedInput,
-    arguments: BakeArguments,
+    options: &GivenOptions,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<BakedVolume> {
-    let spec = arguments.spec(py)?;
+    let options: BakeOptions = request(py, options)?;
+    let spec = options.spec().ok_or_else(|| failure::budget(py, "cells, tol, rel: give one of them"))?;
     let NamedInput { input, name } = named;
     let listener = ProgressListener::new(progress, "bake");
     let baked = work::run(py, listener, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;

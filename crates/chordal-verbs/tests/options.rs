@@ -1,9 +1,10 @@
 //! The files that are written from the tables of options: `docs/options.md`, and what the Python package knows of them.
 //! `CHORDAL_WRITE_OPTIONS=1` writes them anew.
-use chordal_verbs::SurfaceSpec;
 use chordal_verbs::options::{
-    LodOptions, MendOptions, MeshOptions, OptionRow, OptionTable, OptionValues, ReadOptions,
+    BakeOptions, ConvertOptions, InspectOptions, LodOptions, MendOptions, MeshOptions, OptionRow,
+    OptionTable, OptionValues, OutputOptions, PictureOptions, ReadOptions, VerifyOptions, spelled_help,
 };
+use chordal_verbs::{DeviationSpec, SurfaceSpec};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -41,12 +42,19 @@ fn the_python_package_has_the_same_tables() {
         "\"\"\"The options of the command by keyword, each with the form of its values. Written from the tables in \n\
          `crates/chordal-verbs/src/options` by `CHORDAL_WRITE_OPTIONS=1 cargo test -p chordal-verbs --test all options`.\"\"\"\n\n\
          from __future__ import annotations\n\n\
-         from typing import Final\n\n{}\n{}\n{}\n{}\n{}",
-        python_table::<ReadOptions>("READING"),
-        python_table::<MendOptions>("REPAIRS"),
-        python_table::<MeshOptions>("MESH"),
-        python_table::<LodOptions>("LOD"),
-        python_table::<SurfaceSpec>("SURFACE"),
+         from typing import Final\n\n{}",
+        [
+            python_table::<ReadOptions>("READING"),
+            python_table::<OutputOptions>("OUTPUT"),
+            python_table::<MendOptions>("REPAIRS"),
+            python_table::<MeshOptions>("MESH"),
+            python_table::<LodOptions>("LOD"),
+            python_table::<SurfaceSpec>("SURFACE"),
+            python_table::<BakeOptions>("BAKE"),
+            python_table::<DeviationSpec>("DEVIATION"),
+            python_table::<PictureOptions>("PICTURE"),
+        ]
+        .join("\n"),
     );
     assert_written("python/chordal/_option_tables.py", &text.replace("tables in \n", "tables in\n"));
 }
@@ -65,9 +73,10 @@ fn markdown_row<S>(row: &OptionRow<S>) -> String {
         Some(value) => format!("`--{name} {value}`"),
         None => format!("`--{name}`"),
     };
-    let mut help = format!("{}.", cell(&row.spelled_help(spelled)));
+    let mut help = format!("{}.", cell(&spelled_help(row.help, spelled)));
     if let OptionValues::Words(words) = row.values {
-        let words: Vec<String> = words.iter().map(|(word, help)| format!("`{word}` ({help})")).collect();
+        let words: Vec<String> =
+            words.iter().map(|(word, help)| format!("`{word}` ({})", spelled_help(help, spelled))).collect();
         write!(help, " One of: {}.", words.join("; ")).unwrap();
     }
     if let Some(default) = row.default {
@@ -93,15 +102,25 @@ fn markdown_table<S: OptionTable>(title: &str) -> String {
 fn the_page_of_options_is_written_from_the_tables() {
     let text = format!(
         "# Options\n\n\
-         Options of `mesh`, `lod` and `mend`, and of inputs and volumes: as the command spells them, and as keywords of Python \n\
-         if a method takes them. In the web module those of inputs, meshes and volumes are keys of JSON, with `_` for `-`, \n\
-         except `within` and `level`. Outputs, threads and memory are set by options of the command alone, which its help \n\
-         lists. This page is written from the tables in `crates/chordal-verbs/src/options`.\n\n{}{}{}{}{}",
-        markdown_table::<ReadOptions>("Inputs"),
-        markdown_table::<MeshOptions>("Meshes"),
-        markdown_table::<LodOptions>("Levels of detail"),
-        markdown_table::<SurfaceSpec>("Volumes"),
-        markdown_table::<MendOptions>("Repairs"),
+         The options of all verbs: as the command spells them, and as keywords of Python if a method takes them. In the web \n\
+         module those of inputs, outputs, meshes and volumes are keys of JSON, with `_` for `-`, except `within`, `level` and \n\
+         `separate`. Paths, reports, threads and memory are set by options of the command alone, which its help lists. This \n\
+         page is written from the tables in `crates/chordal-verbs/src/options`.\n\n{}",
+        [
+            markdown_table::<ReadOptions>("Inputs"),
+            markdown_table::<OutputOptions>("Outputs of `mesh`, `lod`, `mend` and `convert`"),
+            markdown_table::<MeshOptions>("Meshes"),
+            markdown_table::<LodOptions>("Levels of detail"),
+            markdown_table::<SurfaceSpec>("Volumes"),
+            markdown_table::<MendOptions>("Repairs"),
+            markdown_table::<BakeOptions>("Distances on a grid"),
+            markdown_table::<ConvertOptions>("Conversions"),
+            markdown_table::<PictureOptions>("Pictures"),
+            markdown_table::<DeviationSpec>("Deviations"),
+            markdown_table::<InspectOptions>("Inspections"),
+            markdown_table::<VerifyOptions>("Verifications"),
+        ]
+        .concat(),
     );
     assert_written("docs/options.md", &format!("{}\n", text.replace(" \n", "\n").trim_end()));
 }

@@ -5,6 +5,7 @@ use crate::spelling::{AsCommand, JsonKeys};
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_io::Limits;
+use chordal_verbs::options::not_a_volume;
 use chordal_verbs::{FormatHint, MeshFailure, MeshOutcome, Shape, load, mesh as mesh_verb};
 
 /// Turns the shape in `input` into triangles.
@@ -28,10 +29,8 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
     options.read.complete(input.shape.frame_mut());
     if let Some(surface) = options.surface {
         let Shape::Volume(sampled) = &mut input.shape else {
-            return Outcome::failed(
-                2,
-                "iso, inside, labels, smooth, cap and open are for volumes, and this is not one",
-            );
+            let key = options.surface_key.unwrap_or_default();
+            return Outcome::failed(2, not_a_volume(&key, &input.shape));
         };
         sampled.surface = surface;
     }

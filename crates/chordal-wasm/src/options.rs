@@ -2,10 +2,8 @@
 //! with `_` for `-`.
 use crate::spelling::JsonKeys;
 use chordal::budget::advice::Spell;
-use chordal_io::Format;
-use chordal_io::glb::GltfPacking;
-use chordal_verbs::formats::{self, in_words, names_where};
-use chordal_verbs::options::{MeshOptions, OptionRow, OptionTable, OptionValues, ReadOptions};
+use chordal_verbs::formats;
+use chordal_verbs::options::{MeshOptions, OptionRow, OptionTable, OptionValues, OutputOptions, ReadOptions};
 use chordal_verbs::{BudgetSpec, OutputForm, SurfaceSpec};
 use serde_json::{Map, Value};
 
@@ -19,19 +17,23 @@ pub(crate) struct MeshCall {
     pub keep_best: bool,
     /// The options for the surface of a volume, if any is given.
     pub surface: Option<SurfaceSpec>,
+    /// The first of their keys.
+    pub surface_key: Option<String>,
 }
 
 /// The keys that are in no table.
-const OWN_KEYS: [&str; 3] = ["name", "compress", "quantize"];
+const OWN_KEYS: [&str; 1] = ["name"];
 /// Options that a module without a clock and with one file as its result cannot serve.
-const NOT_HERE: [&str; 2] = ["within", "level"];
+const NOT_HERE: [&str; 3] = ["within", "level", "separate"];
 
 /// The names of all keys.
 pub(crate) fn keys() -> impl Iterator<Item = String> {
-    let budget = MeshOptions::ROWS.iter().map(|row| row.name).filter(|name| !NOT_HERE.contains(name));
+    let output = OutputOptions::ROWS.iter().map(|row| row.name);
     let reading = ReadOptions::ROWS.iter().map(|row| row.name);
+    let budget = MeshOptions::ROWS.iter().map(|row| row.name);
     let surface = SurfaceSpec::ROWS.iter().map(|row| row.name);
-    OWN_KEYS.into_iter().chain(reading).chain(budget).chain(surface).map(|name| name.replace('-', "_"))
+    let names = output.chain(reading).chain(budget).chain(surface).filter(|name| !NOT_HERE.contains(name));
+    OWN_KEYS.into_iter().chain(names).map(|name| name.replace('-', "_"))
 }
 
 impl MeshCall {
@@ -57,23 +59,16 @@ impl MeshCall {
                 formats::output_names()
             ));
         }
-        let compress = reader.text("compress")?;
-        if let Some(codec) = compress.as_deref().filter(|codec| *codec != "meshopt") {
-            return Err(format!("compress is \"meshopt\", not {codec}"));
-        }
-        let packing =
-            GltfPacking { is_compressed: compress.is_some(), is_quantized: reader.flag("quantize")? };
-        if packing != GltfPacking::default() && !to.is_gltf() {
-            let names = in_words(&names_where(Format::is_gltf), "and");
-            return Err(format!("compress and quantize are for {names}; {to} holds plain numbers"));
-        }
+        let output: OutputOptions = reader.request()?.unwrap_or_default();
+        let to = output.form(to).map_err(|why| why.spelled(&JsonKeys).to_string())?;
         Ok(Self {
             name: reader.text("name")?,
             read: reader.request()?.unwrap_or_default(),
-            to: OutputForm { format: to, packing },
+            to,
             spec,
             keep_best: options.keep_best,
             surface: reader.request()?,
+            surface_key: reader.first_key::<SurfaceSpec>(),
         })
     }
 }
@@ -102,6 +97,12 @@ impl OptionReader<'_> {
             }
         }
         Ok(request)
+    }
+
+    /// The first key of a table that is given.
+    fn first_key<S: OptionTable>(&self) -> Option<String> {
+        let mut keys = S::ROWS.iter().map(|row| row.name.replace('-', "_"));
+        keys.find(|key| self.get(key).is_some_and(|value| *value != Value::Bool(false)))
     }
 
     /// The text of an option's value, empty for a flag that is set.
@@ -149,11 +150,13 @@ mod tests {
             br#"{"to": "glb", "tol": "0.1%", "px": 1, "view": "100x100 fov=45 dist=4", "angle": "5deg", "uv_error": "1%",
                 "normal_error": 10, "triangles": 500, "require": "measured", "effort": "fast", "spacing": "even",
                 "normals": "flat", "extrude": "2mm", "bevel": 0.1, "keep_best": true, "labels": [1, 2], "open": true, "unit": "mm",
-                "set": ["r=1", "h=2"]}"#,
+                "set": ["r=1", "h=2"], "compress": "meshopt", "quantize": true}"#,
         )
         .expect("all are keys");
         assert!(call.keep_best && call.spec.bevel.is_some() && call.spec.attributes.is_set());
+        assert!(call.to.packing.is_compressed && call.to.packing.is_quantized);
         assert_eq!(call.read.set.len(), 2);
+        assert_eq!(call.surface_key.as_deref(), Some("labels"));
         let surface = call.surface.expect("labels are given");
         assert_eq!(surface.labels.map(|labels| format!("{labels:?}")), Some("Listed([1, 2])".to_owned()));
     }
@@ -165,6 +168,9 @@ mod tests {
         assert!(
             error(r#"{"to": "glb", "tol": 1, "within": "5s"}"#).starts_with("there is no option 'within'")
         );
+        let packed = error(r#"{"to": "stl", "tol": 1, "quantize": true}"#);
+        assert_eq!(packed, "\"quantize\" is for .glb and .gltf; stl holds plain numbers");
+        assert!(error(r#"{"to": "glb", "tol": 1, "compress": "draco"}"#).starts_with("compress: 'meshopt'"));
         assert!(error(r#"{"to": "glb", "px": 1}"#).contains("\"view\": \"1920x1080"));
         assert!(error(r#"{"to": "glb", "normals": "flat"}"#).starts_with("a budget is needed"));
     }

@@ -1,6 +1,6 @@
 //! `LodOptions`: the options of `lod`, its budget and its levels.
 use super::mesh::{AttributeOptions, normal_error, uv_error};
-use super::values::{distance, length, word};
+use super::values::{count_up_to, distance, length, word};
 use super::{LENGTH, OptionRow, OptionSection, OptionTable, OptionValues, store, store_some};
 use crate::{LodLens, LodParts, LodSpec, Normals, TileErrors};
 use chordal::budget::advice::{Message, Setting};
@@ -176,8 +176,7 @@ impl OptionTable for LodOptions {
             (OptionValues::Count, "N"),
             "For tiles: maximum number of triangles of one; a finest level with more is split in space, with matching borders",
             |options, text| {
-                let count = text.trim().parse().ok().filter(|n| (1..=LARGEST_TILE).contains(n));
-                store(&mut options.tile_triangles, count.ok_or("a whole number from 1 to 100000000"))
+                store(&mut options.tile_triangles, count_up_to(text, LARGEST_TILE))
             },
         )
         .default("65536")

@@ -1,4 +1,5 @@
 //! `MeshOptions`: the options of `mesh`, its budget and its result.
+use super::effort::{EffortOptions, effort, proof_effort};
 use super::values::{angle, count, count_from_0, length, texcoord_distance, word};
 use super::{ANGLE, COUNT, LENGTH, OptionRow, OptionSection, OptionTable, OptionValues, store, store_some};
 use crate::{BudgetSpec, Effort, Normals, Spacing, parse_time};
@@ -52,7 +53,7 @@ impl MeshOptions {
     /// How far the proof of a field is taken: to its end if the best was asked for.
     #[must_use]
     pub fn proof(&self) -> ProofEffort {
-        if self.effort == Some(Effort::Best) { ProofEffort::Full } else { ProofEffort::default() }
+        proof_effort(self.effort)
     }
 
     /// The evidence that is required, if it was said.
@@ -82,6 +83,12 @@ pub(super) trait AttributeOptions {
 impl AttributeOptions for MeshOptions {
     fn attributes(&mut self) -> &mut AttributeLimits {
         &mut self.budget.attributes
+    }
+}
+
+impl EffortOptions for MeshOptions {
+    fn effort(&mut self) -> &mut Option<Effort> {
+        &mut self.effort
     }
 }
 
@@ -123,10 +130,6 @@ const EVIDENCE: OptionValues = OptionValues::Words(&[
 const SPACINGS: OptionValues = OptionValues::Words(&[
     ("fewest", "As few segments as possible, or nearly"),
     ("even", "Equal steps of the parameter"),
-]);
-const EFFORTS: OptionValues = OptionValues::Words(&[
-    ("best", "The best result, however long it takes"),
-    ("fast", "A good result in a fraction of the time"),
 ]);
 
 impl OptionTable for MeshOptions {
@@ -206,15 +209,10 @@ impl OptionTable for MeshOptions {
         )
         .default("fewest")
         .under(OptionSection::Result),
-        OptionRow::<Self>::new(
-            "effort",
-            (EFFORTS, "HOW"),
-            "For a field: best takes its proof to the end, however long that is. For a mesh or a volume with {triangles} \
-             alone: best, the default, has the least error; fast takes about a tenth of the time for two to three times the \
-             error",
-            |options, text| {
-                store_some(&mut options.effort, word(text, &[("best", Effort::Best), ("fast", Effort::Fast)]))
-            },
+        effort(
+            "How far to go for the best result. For a field: best takes its proof to the end; by default it gets about the \
+             work of meshing. For a mesh or a volume with {triangles} alone: best, the default, has the least error; fast \
+             takes about a tenth of the time for two to three times the error",
         )
         .under(OptionSection::Result),
         OptionRow::<Self>::new(

@@ -4,17 +4,32 @@
 //! Every shell reads these tables: the command makes arguments of them, the Python package keywords, the web module
 //! keys of JSON, and `docs/options.md` is written from them. A value is always a text as the command reads it, so that
 //! one parser judges it, whichever shell it comes from.
+mod bake;
+mod convert;
+mod deviation;
+mod effort;
+mod inspect;
 mod lod;
 mod mend;
 mod mesh;
+mod output;
+mod picture;
 mod reading;
 mod surface;
 pub mod values;
+mod verify;
 
+pub use bake::BakeOptions;
+pub use convert::ConvertOptions;
+pub use inspect::InspectOptions;
 pub use lod::{LodContainer, LodOptions};
 pub use mend::MendOptions;
 pub use mesh::MeshOptions;
+pub use output::OutputOptions;
+pub use picture::{PictureContent, PictureOptions};
 pub use reading::ReadOptions;
+pub use surface::not_a_volume;
+pub use verify::VerifyOptions;
 
 /// A set of options: the row of each, and the request that they change.
 ///
@@ -30,6 +45,9 @@ pub use reading::ReadOptions;
 pub trait OptionTable: Default + Send + Sync + 'static {
     /// The group of which one option has to be given, if there is one.
     const REQUIRED_GROUP: Option<&'static str> = None;
+
+    /// Options that rows refer to and that each shell has itself, since they name other shapes.
+    const BESIDE: &'static [&'static str] = &[];
 
     /// The options, in the order in which help lists them.
     const ROWS: &'static [OptionRow<Self>];
@@ -65,7 +83,7 @@ pub struct OptionRow<S> {
     /// The heading that help lists it under.
     pub section: OptionSection,
     /// What it does: one or two sentences, without the stop of the last. Other options stand in braces, as in `{view}`
-    /// and `{require=proved}`: see [`Self::spelled_help`].
+    /// and `{require=proved}`: see [`spelled_help`].
     pub help: &'static str,
     /// The value that counts if none is given.
     pub default: Option<&'static str>,
@@ -105,6 +123,10 @@ pub enum OptionValues {
 /// The heading that help lists an option under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OptionSection {
+    /// What the verb does; its options come first, under no heading of their own.
+    Verb,
+    /// How the result is written.
+    Output,
     /// How the input is read.
     Input,
     /// How much error is allowed.
@@ -120,16 +142,18 @@ pub enum OptionSection {
 }
 
 impl OptionSection {
-    /// The heading.
+    /// The heading, if it has one.
     #[must_use]
-    pub fn heading(self) -> &'static str {
+    pub fn heading(self) -> Option<&'static str> {
         match self {
-            Self::Input => "Input",
-            Self::Budget => "Budget",
-            Self::Result => "Result",
-            Self::Levels => "Levels",
-            Self::Repairs => "Repairs",
-            Self::Volumes => "Volumes",
+            Self::Verb => None,
+            Self::Output => Some("Output"),
+            Self::Input => Some("Input"),
+            Self::Budget => Some("Budget"),
+            Self::Result => Some("Result"),
+            Self::Levels => Some("Levels"),
+            Self::Repairs => Some("Repairs"),
+            Self::Volumes => Some("Volumes"),
         }
     }
 }
@@ -219,23 +243,23 @@ impl<S> OptionRow<S> {
     pub fn keyword(&self) -> Option<String> {
         self.is_keyword.then(|| self.renamed.map_or_else(|| self.name.replace('-', "_"), str::to_owned))
     }
+}
 
-    /// The help with other options as a shell spells them: each by its name, and its value if it has one.
-    #[must_use]
-    pub fn spelled_help(&self, spell: impl Fn(&str, Option<&str>) -> String) -> String {
-        let mut parts = self.help.split('{');
-        let mut help = parts.next().unwrap_or_default().to_owned();
-        for part in parts {
-            let (option, words) = part.split_once('}').unwrap_or((part, ""));
-            let spelled = match option.split_once('=') {
-                Some((name, value)) => spell(name, Some(value)),
-                None => spell(option, None),
-            };
-            help.push_str(&spelled);
-            help.push_str(words);
-        }
-        help
+/// The help of an option or of one of its words, with other options as a shell spells them: each by its name, and its
+/// value if it has one.
+#[must_use]
+pub fn spelled_help(help: &str, spell: impl Fn(&str, Option<&str>) -> String) -> String {
+    let mut parts = help.split('{');
+    let mut spelled = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (option, words) = part.split_once('}').unwrap_or((part, ""));
+        spelled.push_str(&match option.split_once('=') {
+            Some((name, value)) => spell(name, Some(value)),
+            None => spell(option, None),
+        });
+        spelled.push_str(words);
     }
+    spelled
 }
 
 const LENGTH: (OptionValues, &str) = (OptionValues::Length, "LENGTH");
@@ -257,18 +281,25 @@ fn store_some<T, E: std::fmt::Display>(place: &mut Option<T>, value: Result<T, E
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SurfaceSpec;
+    use crate::{DeviationSpec, SurfaceSpec};
 
     #[test]
     fn help_names_options_of_the_same_table() {
         fn check<S: OptionTable>() {
+            let is_option = |name: &str| S::row(name).is_some() || S::BESIDE.contains(&name);
             for row in S::ROWS {
-                let _ = row.spelled_help(|name, _| {
-                    assert!(S::row(name).is_some(), "{}: there is no {name}", row.name);
-                    String::new()
-                });
+                let words = match row.values {
+                    OptionValues::Words(words) => words,
+                    _ => &[],
+                };
+                for help in words.iter().map(|(_, help)| *help).chain([row.help]) {
+                    let _ = spelled_help(help, |name, _| {
+                        assert!(is_option(name), "{}: there is no {name}", row.name);
+                        String::new()
+                    });
+                }
                 let of_table = |name: &&'static str| {
-                    S::row(name).is_some() || S::ROWS.iter().any(|row| row.groups.contains(name))
+                    is_option(name) || S::ROWS.iter().any(|row| row.groups.contains(name))
                 };
                 assert!(row.needs.iter().chain(row.conflicts).all(of_table), "{}", row.name);
             }
@@ -278,12 +309,19 @@ mod tests {
         check::<MendOptions>();
         check::<SurfaceSpec>();
         check::<ReadOptions>();
+        check::<OutputOptions>();
+        check::<BakeOptions>();
+        check::<ConvertOptions>();
+        check::<DeviationSpec>();
+        check::<InspectOptions>();
+        check::<PictureOptions>();
+        check::<VerifyOptions>();
     }
 
     #[test]
     fn a_shell_spells_the_options_in_help() {
         let row = MeshOptions::row("within").expect("it is in the table");
-        let help = row.spelled_help(|name, value| format!("<{name} {}>", value.unwrap_or("-")));
+        let help = spelled_help(row.help, |name, value| format!("<{name} {}>", value.unwrap_or("-")));
         assert!(help.contains("<require proved> or <effort best>"), "{help}");
     }
 }

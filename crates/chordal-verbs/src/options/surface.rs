@@ -1,7 +1,7 @@
 //! The options that say which surface of a volume is meant.
 use super::values::word;
 use super::{OptionRow, OptionSection, OptionTable, OptionValues, store_some};
-use crate::{Border, Inside, LabelSelection, SurfaceSpec};
+use crate::{Border, Inside, LabelSelection, Shape, SurfaceSpec};
 
 const SIDES: OptionValues =
     OptionValues::Words(&[("high", "Those above the isovalue"), ("low", "Those below the isovalue")]);
@@ -60,6 +60,12 @@ impl OptionTable for SurfaceSpec {
         .under(OptionSection::Volumes)
         .renamed("border"),
     ];
+}
+
+/// The refusal of an option for volumes, as a shell spells it, for another shape.
+#[must_use]
+pub fn not_a_volume(option: &str, shape: &Shape) -> String {
+    format!("{option} is for volumes, and the input holds {}", shape.kind())
 }
 
 fn level(text: &str) -> Result<f64, &'static str> {

@@ -1,4 +1,5 @@
 //! How the values of options are read.
+use crate::formats::in_words;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{InvalidLength, Length};
 
@@ -36,6 +37,15 @@ pub fn distance(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A share from 0 on.
+pub(super) fn share(text: &str) -> Result<f64, &'static str> {
+    match text.parse::<f64>() {
+        Ok(share) if share >= 0.0 && share.is_finite() => Ok(share),
+        Ok(_) => Err("a share is 0 or more"),
+        Err(_) => Err("expected a share like 0.1"),
+    }
+}
+
 /// A whole number greater than 0.
 ///
 /// # Errors
@@ -45,6 +55,12 @@ pub fn count(text: &str) -> Result<u64, String> {
         Ok(count) if count > 0 => Ok(count),
         _ => Err("a whole number greater than 0".to_owned()),
     }
+}
+
+/// A whole number from 1 to `most`.
+pub(super) fn count_up_to(text: &str, most: u64) -> Result<u64, String> {
+    let count = text.trim().parse().ok().filter(|count| (1..=most).contains(count));
+    count.ok_or_else(|| format!("a whole number from 1 to {most}"))
 }
 
 /// A whole number from 0 on.
@@ -66,8 +82,7 @@ pub(super) fn word<T: Copy>(text: &str, words: &[(&str, T)]) -> Result<T, String
     let meaning = words.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
     meaning.ok_or_else(|| {
         let names: Vec<String> = words.iter().map(|(word, _)| format!("'{word}'")).collect();
-        let (last, others) = names.split_last().expect("an option of words has words");
-        format!("{} or {last}, not '{text}'", others.join(", "))
+        format!("{}, not '{text}'", in_words(&names, "or"))
     })
 }
 
@@ -82,13 +97,15 @@ mod tests {
             word("odd", &[("a", 1), ("b", 2), ("c", 3)]),
             Err("'a', 'b' or 'c', not 'odd'".to_owned())
         );
+        assert_eq!(word("odd", &[("even", 2)]), Err("'even', not 'odd'".to_owned()));
     }
 
     #[test]
     fn counts_begin_at_one() {
         assert_eq!(count(" 7"), Ok(7));
+        assert_eq!((count_up_to("9", 9), count_up_to("10", 9).is_err()), (Ok(9), true));
         for text in ["0", "-1", "1.5", "", "x"] {
-            assert!(count(text).is_err(), "{text}");
+            assert!(count(text).is_err() && count_up_to(text, 9).is_err(), "{text}");
         }
     }
 }
