@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import chordal
-from chordal._option_tables import LOD, MESH, READING, REPAIRS, SURFACE
+from chordal._option_tables import BAKE, DEVIATION, LOD, MESH, OUTPUT, PICTURE, READING, REPAIRS, SURFACE
 from chordal._options import options
 
 #: Keywords that are no options: a share of the diagonal is a length.
@@ -25,8 +25,18 @@ def test_the_keywords_of_mesh_and_flatten_are_options_of_meshes_and_volumes() ->
 
 
 def test_the_keywords_of_lod_are_options_of_levels() -> None:
-    of_packing = {"quantize", "compress"}
-    assert keywords(chordal.Shape.lod) - of_packing == set(LOD)
+    assert keywords(chordal.Shape.lod) == set(LOD) | set(OUTPUT)
+
+
+def test_the_keywords_of_export_are_options_of_outputs() -> None:
+    assert keywords(chordal.Shape.export) - {"path", "tol"} == set(OUTPUT)
+    assert keywords(chordal.Shape.to_bytes) - {"format", "tol"} == set(OUTPUT)
+
+
+def test_the_keywords_of_bake_deviation_and_render_are_options_of_theirs() -> None:
+    assert keywords(chordal.Shape.bake) == set(BAKE)
+    assert keywords(chordal.Shape.deviation) - {"other"} == set(DEVIATION)
+    assert keywords(chordal.Shape.render) - {"against"} == set(PICTURE)
 
 
 def test_the_keywords_of_mend_are_options_of_repairs() -> None:
@@ -48,6 +58,14 @@ def test_a_value_without_sense_names_its_keyword() -> None:
     shape = chordal.load(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", format="obj")
     with pytest.raises(chordal.BudgetError, match="^angle: "):
         shape.mesh(tol=1, angle=400)
+    with pytest.raises(ValueError, match="^show: 'shaded', .* or 'deviation', not 'x-rays'$"):
+        shape.render(show="x-rays")  # type: ignore[arg-type]
+    with pytest.raises(chordal.BudgetError, match='^a picture needs a camera with a position: view=".*"$'):
+        shape.render(view="100x100 fov=45 dist=4")
+    with pytest.raises(ValueError, match="^quantize=True is for .glb and .gltf; stl holds plain numbers$"):
+        shape.to_bytes("stl", quantize=True)
+    with pytest.raises(ValueError, match="^compress: 'meshopt', not 'draco'$"):
+        shape.to_bytes("glb", compress="draco")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="^require: "):
         shape.mesh(tol=1, require="hoped")  # type: ignore[arg-type]
     with pytest.raises(chordal.BudgetError, match='^a budget in pixels needs a view: add view=".*" to pixels=2$'):

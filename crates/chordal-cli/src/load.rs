@@ -11,6 +11,7 @@ use crate::spelling::CommandLine;
 use chordal::Job;
 use chordal::budget::RefusalCode;
 use chordal::budget::advice::Spell;
+use chordal::explicit::subdivision::Scheme;
 use chordal_io::font::Letters;
 use chordal_io::{Format, Limits, PolygonSurface};
 use chordal_verbs::{FormatHint, Input, Shape, load_within, sha256};
@@ -54,7 +55,7 @@ pub fn read_polygons(
     let was_cut = input.format == Format::Obj && input.warnings.iter().any(|w| w.code == "polygons-cut");
     if was_cut && args.read.surface.is_none() {
         let mut args = args.clone();
-        args.read.surface = Some(PolygonSurface::CatmullClark);
+        args.read.surface = Some(PolygonSurface::Limit(Scheme::default()));
         // An input that is no valid cage stays triangles.
         if let Some(polygons) = raw.parse(&args).ok().filter(|polygons| prefers(polygons, &input)) {
             return Ok(raw.print_warnings(polygons, console));

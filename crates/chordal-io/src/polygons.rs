@@ -1,5 +1,6 @@
 //! `Polygons`: a polygon cage of a file, with its subdivision tags, attributes and frame.
 use crate::{Frame, SceneAssets};
+use chordal::explicit::subdivision::Scheme;
 use chordal::explicit::{Attribute, Cage};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -7,12 +8,8 @@ use std::collections::BTreeMap;
 /// Which surface the polygons of a file define.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PolygonSurface {
-    /// The limit of Catmull–Clark subdivision.
-    CatmullClark,
-    /// The limit of Loop subdivision, for triangles.
-    Loop,
-    /// Each quad as a bilinear patch; other polygons are first cut into quads.
-    Bilinear,
+    /// The limit of subdivision.
+    Limit(Scheme),
     /// The polygons themselves, cut into triangles.
     Faceted,
 }

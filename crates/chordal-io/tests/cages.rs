@@ -30,7 +30,7 @@ fn load(text: &str) -> (Polygons, Vec<Warning>) {
 
 #[track_caller]
 fn refuse_at(text: &str, line: u64, [code, words]: [&str; 2]) {
-    let error = read_as(text, Some(PolygonSurface::CatmullClark)).map(|_| ()).unwrap_err();
+    let error = read_as(text, Some(PolygonSurface::Limit(Scheme::CatmullClark))).map(|_| ()).unwrap_err();
     assert!(error.message.contains(words), "{error}");
     assert_eq!((error.code, &error.place), (code, &FileLocation::Line(line)), "{error}");
 }
@@ -49,7 +49,7 @@ fn polygons_are_kept_where_there_are_tags_or_the_user_asks() {
     let (tagged, warnings) = load(&format!("{SQUARE}t interpolateboundary 1/0/0 1\n"));
     assert_eq!(tagged.cage.boundary(), Boundary::EdgeAndCorner);
     assert!(warnings.is_empty(), "{warnings:?}");
-    let (asked, _) = read_as(SQUARE, Some(PolygonSurface::Bilinear)).unwrap();
+    let (asked, _) = read_as(SQUARE, Some(PolygonSurface::Limit(Scheme::Bilinear))).unwrap();
     assert_eq!((asked.cage.n_faces(), asked.cage.scheme()), (1, Scheme::Bilinear));
     // What is no tag of a cage makes none.
     let (_, warnings) = load_scene(format!("{SQUARE}t 1 2 3\n").as_bytes(), Format::Obj);
@@ -138,19 +138,20 @@ fn names_and_colours_are_kept() {
 #[test]
 fn schemes_have_a_tag_of_their_own() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    for (surface, scheme) in
-        [(PolygonSurface::Loop, Scheme::Loop), (PolygonSurface::Bilinear, Scheme::Bilinear)]
-    {
-        let (read, _) = read_as(triangle, Some(surface)).unwrap();
+    for scheme in [Scheme::Loop, Scheme::Bilinear] {
+        let (read, _) = read_as(triangle, Some(PolygonSurface::Limit(scheme))).unwrap();
         assert_eq!(read.cage.scheme(), scheme);
         assert_eq!(load(&written(&read)).0, read);
     }
     let (kept, _) = load(&format!("t scheme 0/0/1 loop\n{triangle}"));
     assert_eq!(kept.cage.scheme(), Scheme::Loop);
-    let (overruled, _) =
-        read_as(&format!("{triangle}t scheme 0/0/1 loop\n"), Some(PolygonSurface::CatmullClark)).unwrap();
+    let (overruled, _) = read_as(
+        &format!("{triangle}t scheme 0/0/1 loop\n"),
+        Some(PolygonSurface::Limit(Scheme::CatmullClark)),
+    )
+    .unwrap();
     assert_eq!(overruled.cage.scheme(), Scheme::CatmullClark);
-    let error = read_as(SQUARE, Some(PolygonSurface::Loop)).map(|_| ()).unwrap_err();
+    let error = read_as(SQUARE, Some(PolygonSurface::Limit(Scheme::Loop))).map(|_| ()).unwrap_err();
     assert_eq!((error.code, error.place), ("not-triangles", FileLocation::Line(5)));
 }
 
@@ -199,9 +200,9 @@ fn a_cage_with_a_vertex_that_is_not_finite_is_refused_even_where_triangles_are_t
 
 fn surface_of(name: &str) -> Option<PolygonSurface> {
     match name.split('_').next() {
-        Some("loop") => Some(PolygonSurface::Loop),
-        Some("bilinear") => Some(PolygonSurface::Bilinear),
-        _ => Some(PolygonSurface::CatmullClark),
+        Some("loop") => Some(PolygonSurface::Limit(Scheme::Loop)),
+        Some("bilinear") => Some(PolygonSurface::Limit(Scheme::Bilinear)),
+        _ => Some(PolygonSurface::Limit(Scheme::CatmullClark)),
     }
 }
 

@@ -22,8 +22,6 @@ pub(crate) struct Tags {
     creasing: String,
 }
 
-const SCHEMES: [(Scheme, &str); 3] =
-    [(Scheme::CatmullClark, "catmull-clark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
 const BOUNDARIES: [(Boundary, &str); 3] = [
     (Boundary::None, "none"),
     (Boundary::EdgeOnly, "edge-only"),
@@ -82,7 +80,8 @@ impl Cage {
         ends: PyBackedBytes,
         tags: Tags,
     ) -> PyResult<Self> {
-        let scheme = from_name("scheme", &tags.scheme, &SCHEMES)?;
+        let schemes = Scheme::ALL.map(|scheme| (scheme, scheme.name()));
+        let scheme = from_name("scheme", &tags.scheme, &schemes)?;
         let boundary = from_name("boundary", &tags.boundary, &BOUNDARIES)?;
         let creasing = from_name("creasing", &tags.creasing, &CREASINGS)?;
         let cage = work::run(py, None, move |_| {
@@ -141,11 +140,7 @@ impl Cage {
     #[getter]
     fn rules(&self) -> (&'static str, &'static str, &'static str) {
         let cage = &self.0.cage;
-        (
-            name_of(&cage.scheme(), &SCHEMES),
-            name_of(&cage.boundary(), &BOUNDARIES),
-            name_of(&cage.creasing(), &CREASINGS),
-        )
+        (cage.scheme().name(), name_of(&cage.boundary(), &BOUNDARIES), name_of(&cage.creasing(), &CREASINGS))
     }
 
     /// The cage as if it were read from a file.

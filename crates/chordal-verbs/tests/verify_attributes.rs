@@ -2,6 +2,7 @@
 //! was not checked. Honest files of the same kinds are re-proved.
 use super::verify_edits::{CUBE, at_level, certificate_of, levels_within, loaded};
 use chordal::Job;
+use chordal::explicit::subdivision::Scheme;
 use chordal::explicit::{Attribute, Semantic};
 use chordal_io::{Format, Limits};
 use chordal_testkit::is_long;
@@ -261,7 +262,7 @@ fn texture_coordinates_of_a_cage_are_in_its_range() {
             _ => text += &format!("{line}\n"),
         }
     }
-    let limits = Limits { surface: Some(PolygonSurface::CatmullClark), ..Limits::default() };
+    let limits = Limits { surface: Some(PolygonSurface::Limit(Scheme::CatmullClark)), ..Limits::default() };
     let hint = FormatHint { name: Some("a.obj"), ..FormatHint::default() };
     let source = load(text.as_bytes(), hint, &limits).expect("readable");
     let out = meshed(&source, &spec("0.05"), Format::Glb);

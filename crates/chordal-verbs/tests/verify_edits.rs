@@ -1,6 +1,7 @@
 //! Every figure of every kind of certificate, edited and sealed again: `verify` refutes it, or says that it was not checked.
 use chordal::Job;
 use chordal::check::{Goal, deviation};
+use chordal::explicit::subdivision::Scheme;
 use chordal::implicit::{Grid, Samples};
 use chordal_io::{Format, Limits};
 use chordal_testkit::{is_long, some};
@@ -157,7 +158,10 @@ fn all() -> Vec<Made> {
         let out = loaded(&meshed(&source, length), "b.ply");
         Made { name, out, coarser: Vec::new(), against: vec![source] }
     };
-    let limits = Limits { surface: Some(chordal_verbs::PolygonSurface::CatmullClark), ..Limits::default() };
+    let limits = Limits {
+        surface: Some(chordal_verbs::PolygonSurface::Limit(Scheme::CatmullClark)),
+        ..Limits::default()
+    };
     let cage = load(CUBE.as_bytes(), FormatHint { name: Some("a.obj"), ..FormatHint::default() }, &limits);
     vec![
         simplified(),

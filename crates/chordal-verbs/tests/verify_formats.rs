@@ -2,6 +2,7 @@
 //! surface was moved, whatever its certificate says.
 use super::verify_edits::{CUBE, at_level, bumpy, certificate_of, levels_within, loaded, volume};
 use chordal::Job;
+use chordal::explicit::subdivision::Scheme;
 use chordal_io::{FileSet, Format, Limits};
 use chordal_testkit::{is_long, some};
 use chordal_verbs::{
@@ -23,7 +24,7 @@ fn example(name: &str) -> Vec<u8> {
 }
 
 fn sources() -> Vec<Source> {
-    let limits = Limits { surface: Some(PolygonSurface::CatmullClark), ..Limits::default() };
+    let limits = Limits { surface: Some(PolygonSurface::Limit(Scheme::CatmullClark)), ..Limits::default() };
     let hint = FormatHint { name: Some("a.obj"), ..FormatHint::default() };
     let cage = load(&example("cube.obj"), hint, &limits).expect("readable");
     let script = b"sphere(1) & box(1.6, 1.6, 1.6)";

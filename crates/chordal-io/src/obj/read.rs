@@ -106,9 +106,7 @@ const MATERIALS: usize = 0;
 fn scheme(counts: &ObjRowCounts, surface: Option<PolygonSurface>) -> Option<Scheme> {
     match surface {
         Some(PolygonSurface::Faceted) => None,
-        Some(PolygonSurface::CatmullClark) => Some(Scheme::CatmullClark),
-        Some(PolygonSurface::Loop) => Some(Scheme::Loop),
-        Some(PolygonSurface::Bilinear) => Some(Scheme::Bilinear),
+        Some(PolygonSurface::Limit(scheme)) => Some(scheme),
         None => (counts.tags > 0).then(|| counts.scheme.unwrap_or_default()),
     }
 }

@@ -25,10 +25,6 @@ pub(super) const SCHEME: &str = "scheme";
 /// Chordal's own tag for a cage after a round of refinement, in which implicit corners are listed.
 pub(super) const REFINED: &str = "refined";
 
-/// The values of the scheme tag.
-pub(super) const SCHEMES: [(Scheme, &str); 3] =
-    [(Scheme::CatmullClark, "catmull-clark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
-
 /// Whether the words after `t` start with the name of a tag.
 pub(super) fn is_tag(mut words: LineTokens) -> bool {
     words.next().is_some_and(|name| KNOWN.iter().any(|known| known.as_bytes() == name))
@@ -37,7 +33,12 @@ pub(super) fn is_tag(mut words: LineTokens) -> bool {
 /// The scheme in the words after `t`, if they are a scheme tag.
 pub(super) fn scheme_of(mut words: LineTokens) -> Option<Scheme> {
     let name = words.next().filter(|name| *name == SCHEME.as_bytes()).and_then(|_| words.nth(1))?;
-    SCHEMES.iter().find(|(_, known)| known.as_bytes() == name).map(|(scheme, _)| *scheme)
+    scheme_named(name)
+}
+
+/// The scheme of a value of the scheme tag.
+pub(super) fn scheme_named(name: &[u8]) -> Option<Scheme> {
+    Scheme::ALL.into_iter().find(|scheme| scheme.name().as_bytes() == name)
 }
 
 /// The values of `interpolateboundary` for boundary rules.

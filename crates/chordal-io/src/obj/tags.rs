@@ -3,7 +3,7 @@
 //! `t NAME INTS/FLOATS/STRINGS …`, then as many words of each kind. Vertices and faces are counted from 0
 //! over the whole file, unlike the indices of faces.
 use super::statements::ObjRowCounts;
-use super::tag_names::{BOUNDARIES, KNOWN, REFINED, SCHEME, SCHEMES};
+use super::tag_names::{BOUNDARIES, KNOWN, REFINED, SCHEME, scheme_named};
 use crate::grow::push;
 use crate::text::{LineTokens, grouped, integer, number, number_error, show};
 use crate::warnings::Warnings;
@@ -137,7 +137,7 @@ impl SubdivTags {
             // Catmull–Clark cages already treat triangles by their own rules.
             ("smoothtriangles", _, [b"catmark"]) => true,
             // The scheme was read with the counts of the file, before its faces.
-            (SCHEME, _, [name]) => SCHEMES.iter().any(|(_, known)| known.as_bytes() == *name),
+            (SCHEME, _, [name]) => scheme_named(name).is_some(),
             (REFINED, [], []) => {
                 self.is_refined = true;
                 true

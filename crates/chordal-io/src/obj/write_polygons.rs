@@ -1,7 +1,7 @@
 //! Writes polygons with their subdivision tags as Wavefront OBJ.
 use super::CERTIFICATE;
 use super::names::ObjNames;
-use super::tag_names::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
+use super::tag_names::{BOUNDARIES, REFINED, SCHEME};
 use super::write::{GROUPS, ObjWriter};
 use crate::certificate::write_comments;
 use crate::number::put_double;
@@ -128,10 +128,8 @@ fn tags(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {
     if let Some((_, number)) = boundary {
         writeln!(writer.out, "t interpolateboundary 1/0/0 {number}")?;
     }
-    if cage.scheme() != Scheme::CatmullClark
-        && let Some((_, name)) = SCHEMES.iter().find(|(scheme, _)| *scheme == cage.scheme())
-    {
-        writeln!(writer.out, "t {SCHEME} 0/0/1 {name}")?;
+    if cage.scheme() != Scheme::CatmullClark {
+        writeln!(writer.out, "t {SCHEME} 0/0/1 {}", cage.scheme().name())?;
     }
     if cage.lists_corners() {
         writeln!(writer.out, "t {REFINED} 0/0/0")?;

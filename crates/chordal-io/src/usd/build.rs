@@ -17,7 +17,6 @@ use crate::{
     Axis, Content, FileLocation, Frame, MATERIAL, Node, Part, PolygonSurface, ReadError, Scene, TextureOrigin,
 };
 use chordal::explicit::Semantic;
-use chordal::explicit::subdivision::Scheme;
 use std::collections::BTreeMap;
 
 /// The most nodes that instances may create. Chosen: as for 3MF.
@@ -444,9 +443,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         let Some(first) = self.rules.first().copied() else { return Ok(None) };
         let forced = match self.stage.limits.surface {
             Some(PolygonSurface::Faceted) => return Ok(None),
-            Some(PolygonSurface::CatmullClark) => Some(Scheme::CatmullClark),
-            Some(PolygonSurface::Loop) => Some(Scheme::Loop),
-            Some(PolygonSurface::Bilinear) => Some(Scheme::Bilinear),
+            Some(PolygonSurface::Limit(scheme)) => Some(scheme),
             None => None,
         };
         let same = self.rules.iter().all(|rules| match forced {

@@ -22,13 +22,19 @@ pub(super) const BOUNDARIES: [(Boundary, &str); 3] =
     [(Boundary::None, "none"), (Boundary::EdgeOnly, "edgeOnly"), (Boundary::EdgeAndCorner, "edgeAndCorner")];
 pub(super) const LINEAR: [&str; 6] =
     ["none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all"];
-/// Names of schemes.
-pub(super) const SCHEMES: [(Scheme, &str); 3] =
-    [(Scheme::CatmullClark, "catmullClark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
 /// Chordal's own properties: the decay of creases' sharpness, and whether implicit corners are listed.
 pub(super) const CREASING: &str = "chordal:creasing";
 pub(super) const CHAIKIN: &str = "chaikin";
 pub(super) const REFINED: &str = "chordal:refined";
+
+/// The name of a scheme in USD.
+pub(super) fn scheme_name(scheme: Scheme) -> &'static str {
+    match scheme {
+        Scheme::CatmullClark => "catmullClark",
+        Scheme::Loop => "loop",
+        Scheme::Bilinear => "bilinear",
+    }
+}
 
 /// The rules by which a mesh is subdivided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,13 +57,13 @@ pub(super) fn rules(stage: &UsdStage<'_, '_>, prim: &StagePrim) -> Result<UsdCag
     let scheme = match stage.word(prim, name)?.as_deref() {
         Some("none") => None,
         None => Some(Scheme::CatmullClark),
-        Some(word) => match SCHEMES.iter().find(|(_, known)| *known == word) {
-            Some((scheme, _)) => Some(*scheme),
-            None => {
+        Some(word) => {
+            let scheme = Scheme::ALL.into_iter().find(|scheme| scheme_name(*scheme) == word);
+            if scheme.is_none() {
                 unknown(name, word);
-                None
             }
-        },
+            scheme
+        }
     };
     let name = "interpolateBoundary";
     let boundary = match stage.word(prim, name)? {

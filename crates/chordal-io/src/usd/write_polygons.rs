@@ -1,5 +1,5 @@
 //! Writes a cage as a subdivided mesh of USD.
-use super::cage::{BOUNDARIES, CHAIKIN, CREASING, LINEAR, REFINED, SCHEMES};
+use super::cage::{BOUNDARIES, CHAIKIN, CREASING, LINEAR, REFINED, scheme_name};
 use super::write::{header, picture_prefix};
 use super::write_material::UsdMaterialWriter;
 use super::write_mesh::UsdSubsets;
@@ -86,9 +86,7 @@ fn cage(
 fn shape(polygons: &Polygons, writer: &mut UsdaWriter<'_>) -> Result<(), WriteError> {
     let cage = &polygons.cage;
     let word = |name: &str, word: &str| format!("uniform token {name} = \"{word}\"");
-    if let Some((_, scheme)) = SCHEMES.iter().find(|(scheme, _)| *scheme == cage.scheme()) {
-        writer.line(&word("subdivisionScheme", scheme))?;
-    }
+    writer.line(&word("subdivisionScheme", scheme_name(cage.scheme())))?;
     if let Some((_, rule)) = BOUNDARIES.iter().find(|(boundary, _)| *boundary == cage.boundary()) {
         writer.line(&word("interpolateBoundary", rule))?;
     }

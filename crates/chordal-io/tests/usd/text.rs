@@ -256,7 +256,7 @@ fn cages_are_one_where_they_have_the_same_rules() {
         panic!("triangles")
     };
     assert_eq!(scene.parts[1].mesh.faces().len(), 12);
-    let limits = Limits { surface: Some(PolygonSurface::CatmullClark), ..Limits::default() };
+    let limits = Limits { surface: Some(PolygonSurface::Limit(Scheme::CatmullClark)), ..Limits::default() };
     let one = file(&triangle("t"));
     assert!(matches!(usd::read(one.as_bytes(), &limits).unwrap().content, Content::Polygons(_)));
 }

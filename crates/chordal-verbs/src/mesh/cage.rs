@@ -10,7 +10,7 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
-use chordal::explicit::subdivision::{CornerTexcoords, Scheme};
+use chordal::explicit::subdivision::CornerTexcoords;
 use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
@@ -241,18 +241,18 @@ const BYTES_OF_TEXCOORDS: u64 = 48;
 /// Refuses results that would be too large, before the work.
 fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), MeshFailure> {
     let n_corners: usize = cage.faces().map(<[u32]>::len).sum();
-    let is_loop = cage.scheme() == Scheme::Loop;
-    let first = if is_loop { 4 * cage.n_faces() as u64 } else { n_corners as u64 };
+    let is_for_triangles = cage.scheme().is_for_triangles();
+    let first = if is_for_triangles { 4 * cage.n_faces() as u64 } else { n_corners as u64 };
     let parts_after = |rounds: u32| 4_u64.checked_pow(rounds).and_then(|parts| first.checked_mul(parts));
     let n_faces = if levels == 0 { Some(cage.n_faces() as u64) } else { parts_after(levels - 1) };
     let Some(n_faces) = n_faces else {
         let message = format!("{levels} rounds would give more faces than can be counted");
         return Err(MeshFailure::refused(RefusalCode::TooManyTriangles, message));
     };
-    let bytes_a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
+    let bytes_a_face = if is_for_triangles { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
     let texcoord_bytes = if cage.texcoords().is_some() { BYTES_OF_TEXCOORDS } else { 0 };
     let bytes = n_faces.saturating_mul(bytes_a_face + texcoord_bytes);
-    let cut = !to.holds_polygons() && !is_loop;
+    let cut = !to.holds_polygons() && !is_for_triangles;
     let n_triangles = n_faces.saturating_mul(if cut { 2 } else { 1 });
     if n_triangles > job.triangle_limit {
         let message = format!(
@@ -302,9 +302,9 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<Message>) -> Result<
 /// The number of faces that each face of the cage becomes; they are consecutive.
 fn parts_of_faces(cage: &Cage, levels: u32) -> Vec<usize> {
     let parts_after = |rounds: u32| 4_usize.saturating_pow(rounds);
-    let parts = |face: &[u32]| match cage.scheme() {
-        Scheme::Loop => parts_after(levels),
-        Scheme::CatmullClark | Scheme::Bilinear => face.len() * parts_after(levels - 1),
+    let is_for_triangles = cage.scheme().is_for_triangles();
+    let parts = |face: &[u32]| {
+        if is_for_triangles { parts_after(levels) } else { face.len() * parts_after(levels - 1) }
     };
     cage.faces().map(parts).collect()
 }

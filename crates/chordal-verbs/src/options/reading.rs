@@ -2,6 +2,7 @@
 use super::values::{count_from_0, word};
 use super::{OptionRow, OptionSection, OptionTable, OptionValues, store_some};
 use chordal::budget::Unit;
+use chordal::explicit::subdivision::Scheme;
 use chordal::math::Box3;
 use chordal_io::font::Letters;
 use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface};
@@ -62,12 +63,26 @@ impl ReadOptions {
     }
 }
 
-const SURFACES: OptionValues = OptionValues::Words(&[
-    ("catmull-clark", "The limit surface of Catmull-Clark subdivision"),
-    ("loop", "The limit surface of Loop subdivision, for triangles"),
-    ("bilinear", "Bilinear quads; other polygons are split into quads first"),
-    ("faceted", "The polygons as they are, split into triangles"),
-]);
+/// The limit surface of each scheme, and the polygons themselves.
+const SURFACES: OptionValues = OptionValues::Words(&SURFACE_WORDS);
+const SURFACE_WORDS: [(&str, &str); Scheme::ALL.len() + 1] = {
+    let mut words = [(FACETED, "The polygons as they are, split into triangles"); Scheme::ALL.len() + 1];
+    let mut k = 0;
+    while k < Scheme::ALL.len() {
+        words[k] = (Scheme::ALL[k].name(), scheme_help(Scheme::ALL[k]));
+        k += 1;
+    }
+    words
+};
+const FACETED: &str = "faceted";
+
+const fn scheme_help(scheme: Scheme) -> &'static str {
+    match scheme {
+        Scheme::CatmullClark => "The limit surface of Catmull-Clark subdivision",
+        Scheme::Loop => "The limit surface of Loop subdivision, for triangles",
+        Scheme::Bilinear => "Bilinear quads; other polygons are split into quads first",
+    }
+}
 
 impl OptionTable for ReadOptions {
     const ROWS: &'static [OptionRow<Self>] = &[
@@ -199,12 +214,8 @@ fn axis(text: &str) -> Result<Axis, &'static str> {
 }
 
 fn polygon_surface(text: &str) -> Result<PolygonSurface, String> {
-    let surfaces = [
-        ("catmull-clark", PolygonSurface::CatmullClark),
-        ("loop", PolygonSurface::Loop),
-        ("bilinear", PolygonSurface::Bilinear),
-        ("faceted", PolygonSurface::Faceted),
-    ];
+    let limits = Scheme::ALL.into_iter().map(|scheme| (scheme.name(), PolygonSurface::Limit(scheme)));
+    let surfaces: Vec<_> = limits.chain([(FACETED, PolygonSurface::Faceted)]).collect();
     word(text, &surfaces)
 }
 

@@ -1,6 +1,6 @@
 //! Cages and refined polygons in the report.
 use chordal::explicit::Cage;
-use chordal::explicit::subdivision::{Boundary, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme};
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, INFINITELY_SHARP, LinearTexcoords};
 use chordal::math::{greater, lesser};
 use chordal_io::Polygons;
 use serde::Serialize;
@@ -39,7 +39,7 @@ pub struct RefinementFacts {
 impl RefinementFacts {
     pub(crate) fn new(cage: &Cage, levels: u32) -> Self {
         let (creases, corners) = (cage.creases().len() as u64, cage.sharp_vertices().len() as u64);
-        Self { levels, scheme: scheme(cage), creases, corners }
+        Self { levels, scheme: cage.scheme().name(), creases, corners }
     }
 }
 
@@ -112,7 +112,7 @@ impl CageFacts {
         let mut faces_by_corners = BTreeMap::new();
         cage.faces().for_each(|face| *faces_by_corners.entry(face.len() as u64).or_default() += 1);
         let mut facts = Self {
-            scheme: scheme(cage),
+            scheme: cage.scheme().name(),
             boundary: match cage.boundary() {
                 Boundary::None => "none",
                 Boundary::EdgeOnly => "edge-only",
@@ -161,7 +161,7 @@ impl CageFacts {
                 on_border[vertex as usize] |= is_border;
             }
         }
-        let [inner, border] = if cage.scheme() == Scheme::Loop { [6, 4] } else { [4, 3] };
+        let [inner, border] = if cage.scheme().is_for_triangles() { [6, 4] } else { [4, 3] };
         for (n, on_border) in valence.into_iter().zip(on_border) {
             match (n, on_border) {
                 (0, _) => self.isolated_vertices += 1,
@@ -182,13 +182,5 @@ pub(crate) fn linear_name(linear: LinearTexcoords) -> &'static str {
         LinearTexcoords::CornersPlus2 => "corners-plus-2",
         LinearTexcoords::Boundaries => "boundaries",
         LinearTexcoords::All => "all",
-    }
-}
-
-fn scheme(cage: &Cage) -> &'static str {
-    match cage.scheme() {
-        Scheme::CatmullClark => "catmull-clark",
-        Scheme::Loop => "loop",
-        Scheme::Bilinear => "bilinear",
     }
 }

@@ -48,7 +48,7 @@ pub enum Setting {
     Compress,
     /// Whether the numbers of a glTF are rounded to fewer bits.
     Quantize,
-    /// How much work a proof, or a count, may take.
+    /// How far to go for the best result: with a proof, or with a count of triangles.
     Effort,
     /// Whether an inspection looks for triangles that cross.
     SelfIntersections,

@@ -105,6 +105,7 @@ mod tests {
     use super::*;
     use crate::obj::part::parts_of;
     use crate::{Conformance, Limits, PolygonSurface};
+    use chordal::explicit::subdivision::Scheme;
     use chordal_testkit::Random;
 
     /// Reads statement by statement, on one thread.
@@ -222,7 +223,8 @@ mod tests {
         let mut random = Random::new(5);
         let (mut n_read, mut n_refused) = (0, 0);
         for i in 0..6000_usize {
-            let surface = [None, Some(PolygonSurface::CatmullClark), Some(PolygonSurface::Loop)][i % 3];
+            let surface =
+                [None, Some(Scheme::CatmullClark), Some(Scheme::Loop)][i % 3].map(PolygonSurface::Limit);
             let limits = Limits {
                 surface,
                 drop_nonfinite: i % 2 == 0,

@@ -35,6 +35,35 @@ pub enum Scheme {
     Bilinear,
 }
 
+impl Scheme {
+    /// All schemes.
+    pub const ALL: [Self; 3] = [Self::CatmullClark, Self::Loop, Self::Bilinear];
+
+    /// Its name in options and reports.
+    ///
+    /// ```
+    /// use chordal::explicit::subdivision::Scheme;
+    /// assert_eq!(Scheme::CatmullClark.name(), "catmull-clark");
+    /// ```
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::CatmullClark => "catmull-clark",
+            Self::Loop => "loop",
+            Self::Bilinear => "bilinear",
+        }
+    }
+
+    /// Whether it takes and makes triangles instead of polygons and quads.
+    #[must_use]
+    pub const fn is_for_triangles(self) -> bool {
+        match self {
+            Self::CatmullClark | Self::Bilinear => false,
+            Self::Loop => true,
+        }
+    }
+}
+
 /// The treatment of the border of an open cage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Boundary {
