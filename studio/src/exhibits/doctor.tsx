@@ -1,7 +1,8 @@
 // The mesh doctor: six defective meshes, the defects that the core finds, and the results of its repairs.
+import { CURE_NAMES, type Cure } from "../core/cures";
 import { Choice, Figure as Data } from "../view/parts";
 import type { Layer, Picture, Vec3, View } from "../viewer";
-import { type Cure, DOCTOR, type Defect, PATIENTS, type Patient, type Texts } from "./doctor_texts";
+import { DOCTOR, type Defect, PATIENTS, type Patient, type Texts } from "./doctor_texts";
 import { exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { view, word, words } from "./fragment";
 import { PAINT } from "./paint";
@@ -38,16 +39,6 @@ interface Answer {
 }
 
 const MOST_CURES = 16;
-const CURES: readonly Cure[] = [
-  "weld",
-  "drop-duplicates",
-  "drop-degenerate",
-  "resolve-t-junctions",
-  "split-nonmanifold",
-  "orient",
-  "fill-holes",
-  "drop-unused",
-];
 const HOME: View = { azimuth: -52, elevation: 30, distance: 5.4, target: [0, 0, 0] };
 const defaults: State = { patient: "hole", cures: [], view: HOME };
 /** Two cubes need more room than a ball. */
@@ -188,7 +179,7 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { patient: ["p", word(...PATIENTS)], cures: ["c", words(CURES, MOST_CURES)], view: ["o", view] },
+  parts: { patient: ["p", word(...PATIENTS)], cures: ["c", words(CURE_NAMES, MOST_CURES)], view: ["o", view] },
   question: ({ patient, cures }) => ({ patient, cures }),
   texts: DOCTOR,
   number: liveNumber,

@@ -1,19 +1,11 @@
 // The texts of the mesh doctor, in their own file because they are many.
+import { type Cure, cureTexts } from "../core/cures";
 import type { CommonTexts } from "./exhibit";
 import { FRAME } from "./frame_texts";
 import type { Language } from "./say";
 
 export const PATIENTS = ["hole", "seam", "crack", "flipped", "branch", "double"] as const;
 export type Patient = (typeof PATIENTS)[number];
-export type Cure =
-  | "weld"
-  | "drop-duplicates"
-  | "drop-degenerate"
-  | "resolve-t-junctions"
-  | "split-nonmanifold"
-  | "orient"
-  | "fill-holes"
-  | "drop-unused";
 export type Defect =
   | "boundary_edges"
   | "non_manifold_edges"
@@ -152,16 +144,7 @@ export const DOCTOR: Record<Language, Texts> = {
       slivers: ["sliver", "slivers", "More than 100 times as long as high, so that the normal is unreliable."],
       unused_vertices: ["unused vertex", "unused vertices", "No triangle has a corner there."],
     },
-    cures: {
-      weld: "Weld equal vertices",
-      "drop-duplicates": "Drop repeated triangles",
-      "drop-degenerate": "Drop triangles without area",
-      "resolve-t-junctions": "Split edges at T-junctions",
-      "split-nonmanifold": "Split where sheets branch",
-      orient: "Orient triangles consistently",
-      "fill-holes": "Fill the hole",
-      "drop-unused": "Drop unused vertices",
-    },
+    cures: cureTexts("button"),
     done: "What was done",
     changed: (what, n) => counted(n, CHANGES.en[what] ?? what),
     comma: ", ",
@@ -217,16 +200,7 @@ export const DOCTOR: Record<Language, Texts> = {
       slivers: ["个狭长三角形", "个狭长三角形", "长度超过高的 100 倍，法线不可靠。"],
       unused_vertices: ["个未使用的顶点", "个未使用的顶点", "没有三角形用到它。"],
     },
-    cures: {
-      weld: "焊接重合的顶点",
-      "drop-duplicates": "删除重复的三角形",
-      "drop-degenerate": "删除零面积三角形",
-      "resolve-t-junctions": "在 T 形接点处拆分边",
-      "split-nonmanifold": "在分叉处拆开",
-      orient: "翻转三角形使方向一致",
-      "fill-holes": "补孔",
-      "drop-unused": "删除未使用的顶点",
-    },
+    cures: cureTexts("zh"),
     done: "已做的修复",
     changed: (what, n) => `${n} ${CHANGES.zh[what] ?? what}`,
     comma: "，",

@@ -1,5 +1,6 @@
 // The command's sentences on meshes and on its progress, as the page shows them: options in words, and everything in Chinese,
 // looked up by the English text. A text without a translation stays English.
+import { cureTexts } from "../core/cures";
 import type { Language } from "./texts";
 
 /** A text, with its language if that is not the page's. */
@@ -26,28 +27,14 @@ export const NAMES: Record<string, string> = {
 };
 
 /** The effect of a repair, by its option. */
-export const CURES: Record<string, string> = {
-  "--weld": "焊接重合的顶点",
-  "--drop-duplicates": "删除重复的三角形",
-  "--drop-degenerate": "删除零面积三角形",
-  "--resolve-t-junctions": "在 T 形接点处拆分边",
-  "--split-nonmanifold": "在分叉处拆开",
-  "--orient": "翻转三角形使方向一致",
-  "--fill-holes": "补孔",
-  "--drop-unused": "删除未使用的顶点",
-};
+export const CURES = byOption(cureTexts("zh"));
 
 /** The same in English. */
-export const CURES_EN: Record<string, string> = {
-  "--weld": "weld equal vertices",
-  "--drop-duplicates": "delete duplicate triangles",
-  "--drop-degenerate": "delete triangles without area",
-  "--resolve-t-junctions": "split edges at T-junctions",
-  "--split-nonmanifold": "cut the surface apart at its branches",
-  "--orient": "orient triangles consistently",
-  "--fill-holes": "fill holes",
-  "--drop-unused": "delete unused vertices",
-};
+export const CURES_EN = byOption(cureTexts("en"));
+
+function byOption(texts: Record<string, string>): Record<string, string> {
+  return Object.fromEntries(Object.entries(texts).map(([cure, text]) => [`--${cure}`, text]));
+}
 
 /** Sentences about findings. */
 const SENTENCES: Record<string, string> = {

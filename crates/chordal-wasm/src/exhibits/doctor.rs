@@ -8,11 +8,7 @@ use chordal::check::{
     Defect, components, duplicate_vertices, inside_out, outward, self_intersections, t_junctions, validity,
 };
 use chordal::explicit::Topology;
-use chordal::mend::nesting::NestedShells;
-use chordal::mend::{
-    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
-    orient, resolve_t_junctions, split_non_manifold, weld,
-};
+use chordal::mend::{MendedMesh, apply, drop_unused};
 use chordal::{Job, Mesh};
 use serde_json::{Value, json};
 
@@ -135,18 +131,7 @@ fn place(mesh: &Mesh, witness: &Witness) -> Value {
 }
 
 fn applied(cure: Cure, mesh: &Mesh) -> Result<MendedMesh, String> {
-    let job = Job::default();
-    let mended = match cure {
-        Cure::Weld => weld(mesh, Weld::Exact, &job),
-        Cure::DropDuplicates => drop_duplicates(mesh, ROWS, Duplicates::EitherWay, &job),
-        Cure::DropDegenerate => drop_degenerate(mesh, ROWS, &job),
-        Cure::ResolveTJunctions => resolve_t_junctions(mesh, ROWS, None, &job),
-        Cure::SplitNonManifold => split_non_manifold(mesh, ROWS, &job),
-        Cure::Orient => orient(mesh, ROWS, NestedShells::Cavity, &job),
-        Cure::FillHoles => fill_holes(mesh, ROWS, HoleSelection::All, &job),
-        Cure::DropUnused => drop_unused(mesh, &job),
-    };
-    mended.map_err(|error| error.to_string())
+    apply(cure, mesh, ROWS, &Job::default()).map_err(|error| error.to_string())
 }
 
 /// A defective mesh: a sound one with one change.

@@ -28,6 +28,10 @@ mod resolve_t_junctions;
 mod split_non_manifold;
 mod weld;
 
+use crate::budget::{Cure, Job, JobError};
+use crate::explicit::{Mesh, Topology};
+use nesting::NestedShells;
+
 pub use drop_collapsed::drop_collapsed;
 pub use drop_degenerate::drop_degenerate;
 pub use drop_duplicates::{Duplicates, drop_duplicates};
@@ -38,6 +42,31 @@ pub use orient::orient;
 pub use resolve_t_junctions::resolve_t_junctions;
 pub use split_non_manifold::split_non_manifold;
 pub use weld::{Weld, weld};
+
+/// Applies a repair by its name: without tolerance, to all holes, and with cavities for closed pieces inside others.
+///
+/// # Errors
+/// As for the function of that name.
+///
+/// ```
+/// use chordal::{Job, Mesh, budget::advice::Cure, explicit::Topology, mend};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0; 3]], vec![[0, 1, 2]])?;
+/// let mended = mend::apply(Cure::DropUnused, &mesh, Topology::Indices, &Job::default())?;
+/// assert_eq!(mended.mesh.positions().len(), 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn apply(cure: Cure, mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, JobError> {
+    match cure {
+        Cure::Weld => weld(mesh, Weld::Exact, job),
+        Cure::DropDuplicates => drop_duplicates(mesh, topology, Duplicates::EitherWay, job),
+        Cure::DropDegenerate => drop_degenerate(mesh, topology, job),
+        Cure::ResolveTJunctions => resolve_t_junctions(mesh, topology, None, job),
+        Cure::SplitNonManifold => split_non_manifold(mesh, topology, job),
+        Cure::Orient => orient(mesh, topology, NestedShells::Cavity, job),
+        Cure::FillHoles => fill_holes(mesh, topology, HoleSelection::All, job),
+        Cure::DropUnused => drop_unused(mesh, job),
+    }
+}
 
 /// The treatment of closed pieces inside others.
 pub mod nesting {
