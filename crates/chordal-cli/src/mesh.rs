@@ -120,7 +120,10 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     let operands = args.boolean.read(&args.input, &run.job, &run.console)?;
     (round.on_files)(args.boolean.files_beside(&args.input, &operands));
     if operands.is_empty() && !spec.has_limit() && needs_budget(&input.shape, options.normals()) {
-        return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
+        return Err(Fault::usage(match input.shape {
+            Shape::Cage(_) => NO_LEVEL.to_owned(),
+            _ => format!("{} (see --help)", MeshOptions::no_limit().spelled(&CommandLine)),
+        }));
     }
 
     if !operands.is_empty() && options.extrudes() {
@@ -191,10 +194,6 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     hints.iter().map(|hint| format!("; {hint}")).collect()
 }
 
-/// The error if no budget was given. Only volumes have a resolution of their own.
-const NO_BUDGET: &str = "the following required arguments were not provided: \
-    <--tol <LENGTH>|--px <PIXELS>|--triangles <N>|--segments <N>> (see --help)";
-
-/// The same for a cage, whose polygons need no budget.
+/// The error for a cage without a budget, which its polygons do not need.
 const NO_LEVEL: &str = "a cage becomes triangles within a budget (--tol, --px or --triangles), or polygons with --level N \
     (see --help)";

@@ -50,7 +50,7 @@ impl MeshCall {
         let options: MeshOptions = reader.request()?.unwrap_or_default();
         let spec = options.spec().map_err(|why| why.spelled(&JsonKeys).to_string())?;
         if !spec.has_limit() {
-            return Err("a budget is needed: tol, px with view, triangles or segments".to_owned());
+            return Err(MeshOptions::no_limit().spelled(&JsonKeys).to_string());
         }
         let to = options.to.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
         if !to.holds_triangles() && !to.holds_polylines() {

@@ -50,6 +50,21 @@ impl MeshOptions {
         Ok(BudgetSpec { pixels, effort: self.effort.unwrap_or_default(), ..self.budget })
     }
 
+    /// What is missing if there is no limit.
+    #[must_use]
+    pub fn no_limit() -> Message {
+        Message::from("a budget is needed: ")
+            .setting(Setting::Tol)
+            .words(", ")
+            .setting(Setting::Px)
+            .words(" with ")
+            .setting(Setting::View)
+            .words(", ")
+            .setting(Setting::Triangles)
+            .words(" or ")
+            .setting(Setting::Segments)
+    }
+
     /// How far the proof of a field is taken: to its end if the best was asked for.
     #[must_use]
     pub fn proof(&self) -> ProofEffort {
