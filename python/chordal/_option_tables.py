@@ -19,6 +19,11 @@ READING: Final[dict[str, tuple[str, str]]] = {
     "drop_nonfinite": ("drop-nonfinite", "flag"),
 }
 
+OUTPUT: Final[dict[str, tuple[str, str]]] = {
+    "compress": ("compress", "word"),
+    "quantize": ("quantize", "flag"),
+}
+
 REPAIRS: Final[dict[str, tuple[str, str]]] = {
     "all": ("all", "flag"),
     "weld": ("weld", "length"),
@@ -70,4 +75,27 @@ SURFACE: Final[dict[str, tuple[str, str]]] = {
     "labels": ("labels", "text"),
     "smooth": ("smooth", "text"),
     "border": ("open", "flag"),
+}
+
+BAKE: Final[dict[str, tuple[str, str]]] = {
+    "cells": ("cells", "count"),
+    "tol": ("tol", "length"),
+    "band": ("band", "number"),
+    "bound": ("bound", "flag"),
+}
+
+DEVIATION: Final[dict[str, tuple[str, str]]] = {
+    "max": ("max", "length"),
+    "relative": ("relative", "number"),
+    "absolute": ("absolute", "length"),
+}
+
+PICTURE: Final[dict[str, tuple[str, str]]] = {
+    "show": ("show", "word"),
+    "darkest": ("darkest", "length"),
+    "cull": ("cull", "word"),
+    "size": ("size", "text"),
+    "view": ("view", "text"),
+    "tol": ("tol", "length"),
+    "pixels": ("px", "number"),
 }

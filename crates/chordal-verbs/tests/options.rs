@@ -104,8 +104,8 @@ fn the_page_of_options_is_written_from_the_tables() {
         "# Options\n\n\
          The options of all verbs: as the command spells them, and as keywords of Python if a method takes them. In the web \n\
          module those of inputs, outputs, meshes and volumes are keys of JSON, with `_` for `-`, except `within`, `level` and \n\
-         `separate`. Paths, reports, threads and memory are set by options of the command alone, which its help lists. This \n\
-         page is written from the tables in `crates/chordal-verbs/src/options`.\n\n{}",
+         `separate`. Files, conditions of success, reports, threads and memory are set by options of the command alone, which \n\
+         its help lists. This page is written from the tables in `crates/chordal-verbs/src/options`.\n\n{}",
         [
             markdown_table::<ReadOptions>("Inputs"),
             markdown_table::<OutputOptions>("Outputs of `mesh`, `lod`, `mend` and `convert`"),
