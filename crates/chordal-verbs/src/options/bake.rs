@@ -109,7 +109,7 @@ impl OptionTable for BakeOptions {
 }
 
 fn band(text: &str) -> Result<f64, &'static str> {
-    let width = text.parse().ok().filter(|width| *width > 0.0 && *width <= WIDEST_BAND);
+    let width = text.parse::<f64>().ok().filter(|width| *width > 0.0 && *width <= WIDEST_BAND);
     width.ok_or("a band is a number of cells, above 0 and at most a million")
 }
 
