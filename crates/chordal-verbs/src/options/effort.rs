@@ -14,7 +14,7 @@ const EFFORTS: OptionValues = OptionValues::Words(&[
     ("fast", "A good result in a fraction of the time"),
 ]);
 
-/// The row, with help that says what each verb goes on with.
+/// The row; the help says what the effort of a verb is spent on.
 pub(super) const fn effort<S: EffortOptions>(help: &'static str) -> OptionRow<S> {
     OptionRow::<S>::new("effort", (EFFORTS, "HOW"), help, |options, text| {
         store_some(options.effort(), word(text, &[("best", Effort::Best), ("fast", Effort::Fast)]))
