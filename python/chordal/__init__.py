@@ -18,6 +18,7 @@ The words of shape scripts (`box`, `sphere`, `union`, `spline`, `x`, …) are in
 from typing import TYPE_CHECKING
 
 from chordal import shapes
+from chordal._array_to_volume import labels, volume
 from chordal._assembly import Placed, scene
 from chordal._batch import batch
 from chordal._blockwise.level_files import MeshLevel
@@ -44,7 +45,6 @@ from chordal._load import load
 from chordal._material import Material
 from chordal._mesh import Mesh
 from chordal._picture import Picture
-from chordal._pieces import concatenate
 from chordal._plots import ErrorCurve, plot_error
 from chordal._polylines import Polyline, Polylines
 from chordal._report import Report
@@ -52,6 +52,7 @@ from chordal._scene import Attribute, Node, Part
 from chordal._shape import Shape
 from chordal._verbs import (
     bake,
+    concatenate,
     convert,
     deviation,
     difference,
@@ -66,7 +67,7 @@ from chordal._verbs import (
 )
 from chordal._verify import verify
 from chordal._view import View
-from chordal._volume import Volume, labels, volume
+from chordal._volume import Volume
 
 __all__ = [
     "Attribute",

@@ -14,7 +14,9 @@ from chordal._assets import Assets
 from chordal._bound import Bound
 from chordal._hints import hint_keywords_of, keywords_hinted
 from chordal._material import Material
+from chordal._mesh import Mesh
 from chordal._pieces import _largest, _State
+from chordal._registry import registered
 from chordal._scene import numbers_in
 from chordal._transform import _volume_of
 from chordal._units import METRES, refuse_unknown, unit_of
@@ -24,7 +26,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from chordal._mesh import Mesh
     from chordal._shape import Shape
 
     #: The contents of a scene: meshes, files, meshes of other libraries, and lists or dictionaries of them.
@@ -155,11 +156,8 @@ class _Assembly:
         return len(self._nodes) - 1
 
     def _mesh_of(self, thing: Any) -> Mesh:
-        from chordal._mesh import Mesh
-        from chordal._verbs import shaped
-
         if id(thing) not in self._meshes:
-            shape = shaped("things", thing)
+            shape = registered.shaped("things", thing)
             if not isinstance(shape, Mesh):
                 raise TypeError(f"things: triangles, not {shape._source.kinds}: mesh them first")
             self._meshes[id(thing)] = thing, shape
@@ -244,8 +242,6 @@ class _Assembly:
 
     def mesh(self, roots: list[int], metres: float | None, up: str | None) -> Mesh:
         """The scene as a mesh."""
-        from chordal._mesh import Mesh
-
         frames = [added.frame for added in self._added.values()]
         origin = self._one_origin()
         frame = {"texture_origin": origin, "metres_per_unit": _one_unit(frames, metres), "up": _one_up(frames, up)}

@@ -12,11 +12,11 @@ from chordal._errors import BudgetError, BudgetUnmet
 from chordal._hints import keywords_hinted
 from chordal._option_tables import BAKE
 from chordal._options import options
+from chordal._registry import registered
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
     from chordal._volume import Volume
-
 
 class Bakeable(Sourced):
     """Shapes whose distance can be sampled."""
@@ -64,14 +64,12 @@ def _baked(
     progress: Callable[[str, int, int], object] | None,
 ) -> Volume:
     """The sampled distances; raises `BudgetUnmet` with the best result if the budget was not met."""
-    from chordal._volume import Volume
-
     length = length_options(tol, rel)
     if (cells is None) == (not length):
         raise BudgetError("cells, tol, rel: give one of them")
     given = options(BAKE, cells=cells, band=band, bound=bound)
     samples, report, unmet = source.bake([*length, *given], function("progress", progress))
-    volume = Volume(samples, report)
+    volume = registered.volume(samples, report)
     if unmet is not None:
         raise BudgetUnmet(unmet, volume)
     return volume

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, SupportsFloat, SupportsIndex
 
+from chordal import _verbs
 from chordal._arguments import number, whole
 from chordal._errors import Error
 from chordal._hints import keywords_hinted, meant_keyword
@@ -82,9 +83,7 @@ def batch(
 
 def _meant_option(verb: str, name: str) -> str:
     """A hint at the option that is meant by an unknown one."""
-    import chordal
-
-    parameters = inspect.signature(getattr(chordal, verb)).parameters.values()
+    parameters = inspect.signature(getattr(_verbs, verb)).parameters.values()
     return meant_keyword(name.replace("-", "_"), [p.name for p in parameters if p.kind is p.KEYWORD_ONLY])
 
 

@@ -10,12 +10,12 @@ from chordal import _chordal
 from chordal._arguments import text
 from chordal._arrays import coordinates, indices
 from chordal._hints import Guessed
+from chordal._registry import registered
+from chordal._shape import Shape
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
-
-    from chordal._shape import Shape
 
 
 class Cage(Guessed):
@@ -84,8 +84,6 @@ class Cage(Guessed):
 
     def shape(self, *, unit: str | None = None) -> Shape:
         """The cage as a `Shape`, to inspect it or to mesh it within a budget. `unit` is the unit of its coordinates."""
-        from chordal._shape import Shape
-
         return Shape(self._cage.source(text("unit", unit)), (Cage.shape, (self,), {"unit": unit}))
 
     def __reduce__(self) -> Any:
@@ -198,3 +196,6 @@ def _again(positions: Any, flat: Any, offsets: Any, tags: Any) -> Cage:
     rows = flat.tolist()
     faces = [rows[start:end] for start, end in zip(offsets[:-1], offsets[1:], strict=True)]
     return Cage(positions, faces, **tags)
+
+
+registered.cage = Cage

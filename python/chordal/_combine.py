@@ -10,9 +10,9 @@ from chordal._arguments import function
 from chordal._bound import Bound
 from chordal._budget import Length, Share, Time, length_options
 from chordal._errors import Refused
-from chordal._interop import mesh_of
 from chordal._option_tables import MESH
 from chordal._options import options
+from chordal._registry import registered
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -113,13 +113,11 @@ class Combinable(Sourced):
         return self._operated("intersection", other)
 
     def _operated(self, operation: str, other: Any) -> Mesh:
-        from chordal._shape import Shape
-
         # For other types, Python tries the operator of the other operand.
-        solid = other if isinstance(other, Shape) else mesh_of(other)
+        solid = other if isinstance(other, Combinable) else registered.mesh_of(other)
         if solid is None:
             return NotImplemented  # type: ignore[no-any-return]
-        if self._source.kind != "triangles" or solid.kind != "triangles":
+        if self._source.kind != "triangles" or solid._source.kind != "triangles":
             raise TypeError(f"operators combine closed triangles; other shapes need a length: a.{operation}(b, tol=0.01)")
         return _combined(self, ((operation, solid),), tol=None, rel=None, within=None, progress=None)
 
@@ -134,19 +132,17 @@ def _combined(
     progress: Callable[[str, int, int], object] | None,
 ) -> Mesh:
     """Solids combined from left to right."""
-    from chordal._mesh import Mesh
-
     if not steps:
         raise ValueError("steps: at least one, as in ('difference', other)")
     budget = [*length_options(tol, rel), *options(MESH, within=within)]
     shapes: list[tuple[str, Combinable]] = [_step(step) for step in steps]
     tell = function("progress", progress)
     first, shapes = _without_nothing(first, shapes)
-    if not shapes and isinstance(first, Mesh):
+    if not shapes and isinstance(first, registered.mesh):
         return first
     others = [(operation, other._source) for operation, other in shapes]
     try:
-        return Mesh._of(_chordal.combine(first._source, others, budget, "ply", tell))
+        return registered.mesh._of(_chordal.combine(first._source, others, budget, "ply", tell))
     except Refused as refused:
         if not refused.message.startswith(_NOTHING):
             raise
@@ -157,10 +153,8 @@ def _nothing(first: Combinable) -> Mesh:
     """A mesh without triangles, for an empty result. The check of results needs triangles, so the distance has no upper bound."""
     import numpy as np
 
-    from chordal._mesh import Mesh
-
-    empty = Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32), unit=getattr(first, "unit", None))
-    return Mesh._of_source(empty._source, Bound(0.0, None, "estimated", "solid", "input solids"))
+    empty = registered.mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32), unit=getattr(first, "unit", None))
+    return registered.mesh._of_source(empty._source, Bound(0.0, None, "estimated", "solid", "input solids"))
 
 
 def _without_nothing(
@@ -180,9 +174,7 @@ def _without_nothing(
 
 
 def _is_nothing(shape: Combinable) -> bool:
-    from chordal._mesh import Mesh
-
-    return isinstance(shape, Mesh) and len(shape.vertices) == len(shape.faces) == 0
+    return isinstance(shape, registered.mesh) and len(shape.vertices) == len(shape.faces) == 0
 
 
 def _step(step: object) -> tuple[str, Shape]:
@@ -191,9 +183,7 @@ def _step(step: object) -> tuple[str, Shape]:
     operation, other = step
     if operation not in OPERATIONS:
         raise ValueError(f"steps: one of {', '.join(OPERATIONS)}, not {operation!r}")
-    from chordal._verbs import shaped
-
-    return operation, shaped("steps", other)
+    return operation, registered.shaped("steps", other)
 
 
 def one_by_one(others: tuple[Any, ...]) -> list[Any]:

@@ -14,13 +14,12 @@ from chordal._budget import Length, Share, budget_options
 from chordal._hints import Guessed, refuse_own
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
+from chordal._shape import Shape
 from chordal._view import View
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
-
-    from chordal._shape import Shape
 
 
 def bezier(control: ArrayLike, *, unit: str | None = None) -> Curve:
@@ -261,8 +260,6 @@ class Curve(Remakeable, Guessed):
         >>> [surface.mesh(tol=0.01).bound.evidence for surface in (ball, tube, cone)]
         ['proved', 'proved', 'proved']
         """
-        from chordal._shape import Shape
-
         return Shape(_chordal.revolved(self._source), (Curve.revolve, (self,), {}))
 
     def extrude(self, along: Sequence[SupportsFloat]) -> Shape:
@@ -273,8 +270,6 @@ class Curve(Remakeable, Guessed):
         >>> chordal.shapes.spline([(0, 0), (1, 2), (3, 1)]).extrude((0, 0, 2)).mesh(tol=0.01).bound.evidence
         'proved'
         """
-        from chordal._shape import Shape
-
         vector = [number("along", x) for x in along]
         if len(vector) != 3:
             raise ValueError(f"along: three numbers, not {len(vector)}")
@@ -282,8 +277,6 @@ class Curve(Remakeable, Guessed):
 
     def shape(self) -> Shape:
         """The curves as a `Shape`, for example to inspect them; `mesh` fills those in the plane."""
-        from chordal._shape import Shape
-
         return Shape(self._source, (Curve.shape, (self,), {}))
 
     def flatten(

@@ -14,6 +14,7 @@ from chordal._budget import Length
 from chordal._hints import Guessed
 from chordal._option_tables import DEVIATION
 from chordal._options import options
+from chordal._registry import registered
 from chordal._report import Report
 from chordal._table import table
 
@@ -98,9 +99,7 @@ def measured(
     progress: Callable[[str, int, int], object] | None,
 ) -> Deviation:
     """The distance between two shapes."""
-    from chordal._verbs import shaped
-
-    second = shaped("other", other)._source
+    second = registered.shaped("other", other)._source
     given = options(DEVIATION, relative=relative, absolute=absolute, max=max)
     report = Report(json.loads(one.deviation(second, given, function("progress", progress))))
     facts = report["deviation"]

@@ -18,6 +18,7 @@ from chordal._devices import parameter_of
 from chordal._functions import Sided, of_bytes, try_at_points, warn_of_complement
 from chordal._hints import keywords_hinted, refuse_own
 from chordal._recipe import Recipe, Remakeable
+from chordal._registry import registered
 from chordal._shape import Shape
 from chordal._table import table
 
@@ -141,27 +142,23 @@ class Formula(Remakeable):
 
     def __pow__(self, exponent: float) -> Formula:
         """A power: whole exponents by multiplication, 0.5 as a square root, others by exp and log, for positive values."""
-        from chordal import _formulas
-
         if isinstance(exponent, bool) or not isinstance(exponent, Real):
             return NotImplemented
         exponent = float(exponent)
         if exponent == 0:
             return self * 0 + 1
         if exponent == 0.5:
-            return _formulas.sqrt(self)
+            return called("sqrt", self)
         if exponent.is_integer() and 1 <= abs(exponent) <= _LARGEST_POWER:
             power = _power(self, abs(int(exponent)))
             return power if exponent > 0 else 1 / power
-        return _formulas.exp(exponent * _formulas.log(self))
+        return called("exp", exponent * called("log", self))
 
     def __rpow__(self, base: float) -> Formula:
         """A positive number to the power of a formula."""
-        from chordal import _formulas
-
         if isinstance(base, bool) or not isinstance(base, Real):
             return NotImplemented
-        return _formulas.exp(self * math.log(float(base)))
+        return called("exp", self * math.log(float(base)))
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
         """Applies functions of numpy to a formula, as in `numpy.sin(x)`."""
@@ -560,3 +557,7 @@ _OF_LANGUAGE = ("acos", "asin", "atan", "atan2", "ceil", "cos", "exp", "floor", 
     "tan",
 )
 _UFUNCS |= {name: _named(name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "floor", "ceil", "radians")}
+
+
+registered.field = Field
+registered.field_of_mesh = field_of_mesh

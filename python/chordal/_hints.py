@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from chordal._guessed_names import NOUNS
+from chordal._registry import registered
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -90,10 +91,8 @@ def found_hint(owner: str, name: str) -> str | None:
     tables = NOUNS.get(owner, ())
     hint = next((table[name] for table in tables if name in table), None)
     if hint is None and owner == "Field":
-        from chordal import shapes
-
         # Operations of scripts are functions of `chordal.shapes`, not methods.
-        hint = f"chordal.shapes.{name}(…)" if name in shapes.__all__ else None
+        hint = f"chordal.shapes.{name}(…)" if name in registered.words else None
     return hint
 
 
@@ -223,8 +222,6 @@ def meant_keyword(wrong: str, known: Iterable[str]) -> str:
 
 def module_hint(module: str, name: str, thing: object) -> AttributeError:
     """The error for a missing name of a module, with a hint if there is one."""
-    from chordal import shapes
-
-    if module == "chordal" and name in shapes.__all__:
+    if module == "chordal" and name in registered.words:
         return AttributeError(f"{module} has no attribute {name!r}: chordal.shapes.{name}")
     return no_attribute(module, module, name, thing)

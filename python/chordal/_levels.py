@@ -17,6 +17,7 @@ from chordal._hints import Guessed, keywords_hinted
 from chordal._option_tables import LOD, OUTPUT
 from chordal._options import options
 from chordal._recipe import Recipe, Remakeable
+from chordal._registry import registered
 from chordal._report import Report
 from chordal._sourced import Sourced
 from chordal._table import columns
@@ -110,15 +111,13 @@ class Levels(Sequence[Level], Guessed, Remakeable):
         return self._level(chosen) if isinstance(chosen, int) else [self._level(k) for k in chosen]
 
     def _level(self, k: int) -> Level:
-        from chordal._mesh import Mesh
-
         if k not in self._cached:
             level = self._levels.level(k)
             if level is None:
                 raise LookupError("the finest level is cut into tiles: export it as 3D Tiles")
             source, facts = level
             bound = bound_of(json.loads(facts))
-            self._cached[k] = Level(Mesh._of_source(source, bound), bound, self.distances[k])
+            self._cached[k] = Level(registered.mesh._of_source(source, bound), bound, self.distances[k])
         return self._cached[k]
 
     def export(self, path: str | os.PathLike[str]) -> Report:

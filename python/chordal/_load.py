@@ -11,9 +11,9 @@ from chordal import _chordal, _files
 from chordal._arguments import number, warn
 from chordal._errors import ReadError
 from chordal._field import Field
+from chordal._foreign_meshes import mesh_like
 from chordal._hints import keywords_hinted
 from chordal._images import lattice_like
-from chordal._interop import mesh_like
 from chordal._mesh import Mesh
 from chordal._option_tables import READING
 from chordal._options import options

@@ -11,6 +11,7 @@ from chordal._hints import keywords_hinted
 from chordal._made import counted
 from chordal._option_tables import REPAIRS
 from chordal._options import options
+from chordal._registry import registered
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -60,8 +61,6 @@ class Mendable(Sourced):
         >>> len(whole.faces), whole.report["certificate"]["valid"]["closed"]
         (4, True)
         """
-        from chordal._mesh import Mesh
-
         repairs = options(
             REPAIRS,
             all=all,
@@ -79,7 +78,7 @@ class Mendable(Sourced):
         if not repairs:
             raise ValueError("name a repair: all=True, weld=True, orient=True, fill_holes=True, …")
         repairs += options(REPAIRS, nested=nested)
-        mended = Mesh._of(_chordal.mend(self._source, repairs, "ply", function("progress", progress)))
+        mended = registered.mesh._of(_chordal.mend(self._source, repairs, "ply", function("progress", progress)))
         if all or fill_holes is not False:
             _warn_of_holes(mended, most)
         return mended

@@ -17,6 +17,7 @@ from chordal._interop import Interoperable
 from chordal._made import Form, counted, of_outcome, remade
 from chordal._notebook import Shown, html_of
 from chordal._pieces import Splittable
+from chordal._registry import registered
 from chordal._report import Report
 from chordal._scene import Attribute, Node, Part, SeveralPartsError, attributes_of, bounds_of, first_of, nodes_of
 from chordal._shape import Shape
@@ -367,9 +368,7 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
 
     def _distances_to(self, other: Shape | Any, tol: Length | None) -> Field:
         """The signed distance to the triangles of another shape."""
-        from chordal._verbs import shaped
-
-        return shaped("other", other).to_field(tol=tol)
+        return registered.shaped("other", other).to_field(tol=tol)
 
     @property
     def is_watertight(self) -> bool:
@@ -484,3 +483,4 @@ def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return units
 
 
+registered.mesh = Mesh

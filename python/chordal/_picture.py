@@ -14,6 +14,7 @@ from chordal._budget import Length
 from chordal._hints import Guessed, keywords_hinted
 from chordal._option_tables import PICTURE
 from chordal._options import options
+from chordal._registry import registered
 from chordal._report import Report
 from chordal._sourced import Sourced
 from chordal._view import View, words_of
@@ -157,7 +158,5 @@ class Pictured(Sourced):
             tol=tol,
             darkest=darkest,
         )
-        from chordal._verbs import shaped
-
-        other = None if against is None else shaped("against", against)._source
+        other = None if against is None else registered.shaped("against", against)._source
         return Picture(_chordal.picture(self._source, other, given, function("progress", progress)))

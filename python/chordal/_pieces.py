@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from chordal import _chordal
 from chordal._arguments import warn
 from chordal._bound import Bound
 from chordal._corners import firsts_of
+from chordal._registry import registered
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,59 +41,34 @@ class Splittable:
 
     def __add__(self, other: Shape | Any) -> Mesh:
         """The triangles of both meshes, unmerged: `concatenate`. For the union as one closed mesh, use `|`."""
-        from chordal._interop import mesh_of
-        from chordal._mesh import Mesh
-
-        assert isinstance(self, Mesh)
-        other_mesh = other if isinstance(other, Mesh) else mesh_of(other)
+        assert isinstance(self, registered.mesh)
+        other_mesh = other if isinstance(other, registered.mesh) else registered.mesh_of(other)
         if other_mesh is None:
             return NotImplemented
-        return concatenate([self, other_mesh])
+        return joined([self, other_mesh])
 
 
-def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) -> Mesh:
-    """The triangles of meshes, files or meshes of other libraries as one part. The meshes are given as a list or one by one.
-    Nothing is cut or merged: `union` combines solids to one closed mesh.
-
-    Normals, texture coordinates and colours are kept if every mesh has them for its vertices. Materials are dropped with a
-    `UserWarning`; `scene` keeps them. The bound is the largest of all. Raises `ValueError` if units differ, or if there is no
-    mesh.
-
-    >>> import chordal
-    >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-    >>> both = chordal.concatenate([one, one.translate(0, 0, 1)])
-    >>> both.faces.tolist(), len(both.split())
-    ([[0, 1, 2], [3, 4, 5]], 2)
-    """
+def joined(meshes: Sequence[Mesh]) -> Mesh:
+    """The triangles of meshes as one part."""
     import numpy as np
 
-    from chordal._mesh import Mesh
-    from chordal._shape import Shape
-    from chordal._verbs import shaped
-
-    things = [meshes, *more] if more or isinstance(meshes, Shape) else meshes
-    shapes = [shaped("meshes", thing) for thing in things]
-    joined = [shape for shape in shapes if isinstance(shape, Mesh)]
-    if len(joined) < len(shapes):
-        other = next(shape for shape in shapes if not isinstance(shape, Mesh))
-        raise TypeError(f"meshes: triangles, not {other._source.kinds}: mesh them first")
-    if not joined:
+    if not meshes:
         raise ValueError("meshes: there is none")
-    units = {mesh._metres() for mesh in joined}
+    units = {mesh._metres() for mesh in meshes}
     if len(units) > 1:
-        names = ", ".join(sorted(str(mesh.unit) for mesh in joined))
+        names = ", ".join(sorted(str(mesh.unit) for mesh in meshes))
         raise ValueError(f"meshes: they are in different units ({names}); to_unit makes them one")
-    counts = [len(mesh.vertices) for mesh in joined]
+    counts = [len(mesh.vertices) for mesh in meshes]
     starts = np.cumsum([0, *counts[:-1]])
-    faces = np.concatenate([mesh.faces.astype(np.uint32) + np.uint32(start) for mesh, start in zip(joined, starts, strict=True)])
-    states = [_State(mesh) for mesh in joined]
+    faces = np.concatenate([mesh.faces.astype(np.uint32) + np.uint32(start) for mesh, start in zip(meshes, starts, strict=True)])
+    states = [_State(mesh) for mesh in meshes]
     position_ids = np.concatenate([state.position_ids() + start for state, start in zip(states, starts, strict=True)])
-    _warn_of_materials(joined)
-    vertices = np.concatenate([mesh.vertices for mesh in joined])
+    _warn_of_materials(meshes)
+    vertices = np.concatenate([mesh.vertices for mesh in meshes])
     blocks = [vertices.tobytes(), faces.tobytes(), position_ids.astype(np.uint32).tobytes()]
     attributes = []
     for kind, set_index in (("normal", None), ("uv", 0), ("color", 0)):
-        rows = [mesh._vertex_rows(kind) for mesh in joined]  # type: ignore[arg-type]
+        rows = [mesh._vertex_rows(kind) for mesh in meshes]  # type: ignore[arg-type]
         if all(row is not None for row in rows) and len({row.shape[1] for row in rows}) == 1:
             width = rows[0].shape[1]
             attributes.append({"kind": kind, "of": set_index, "domain": "vertex", "width": width, "block": len(blocks)})
@@ -101,16 +77,16 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
     has_uv = any(attribute["kind"] == "uv" for attribute in attributes)
     frame = {"texture_origin": "lower-left" if has_uv else None, "metres_per_unit": units.pop()}
     state = json.dumps({"parts": [part], "frame": frame})
-    source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [mesh._source for mesh in joined], None)
+    source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [mesh._source for mesh in meshes], None)
     # The transforms of nodes round the positions of the parts below them.
-    roundings = [_chordal.composed_bound(mesh._source, []) for mesh in joined]
-    bound = _largest([_moved_by(mesh.bound, rounding) for mesh, rounding in zip(joined, roundings, strict=True)])
-    result = Mesh._of_source(source, bound)
+    roundings = [_chordal.composed_bound(mesh._source, []) for mesh in meshes]
+    bound = _largest([_moved_by(mesh.bound, rounding) for mesh, rounding in zip(meshes, roundings, strict=True)])
+    result = registered.mesh._of_source(source, bound)
     result._is_given = bound is None
     return result
 
 
-def _warn_of_materials(meshes: list[Mesh]) -> None:
+def _warn_of_materials(meshes: Sequence[Mesh]) -> None:
     if any(mesh.materials for mesh in meshes):
         warn("materials: these stay behind, for all becomes one part; chordal.scene(a, b) keeps them")
 
@@ -231,8 +207,6 @@ class _State:
         """The chosen faces of a node's part, with everything else of the scene."""
         import numpy as np
 
-        from chordal._mesh import Mesh
-
         facts = json.loads(json.dumps(self.facts))
         blocks = list(self.blocks)
         part = facts["parts"][self.nodes[node]["part"]]
@@ -262,4 +236,4 @@ class _State:
         for number, node_facts in enumerate(facts["nodes"]):
             node_facts["part"] = 0 if number == node else None
         facts |= {"parts": [part], "certificate": None, "composed": None, "sha256": None, "n_bytes": None}
-        return Mesh._of_source(_chordal.scene_of_state(json.dumps(facts), blocks, None))
+        return registered.mesh._of_source(_chordal.scene_of_state(json.dumps(facts), blocks, None))

@@ -21,6 +21,7 @@ from chordal._mend import Mendable
 from chordal._picture import Pictured
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
+from chordal._registry import registered
 from chordal._report import Report
 from chordal._table import table
 from chordal._view import View
@@ -183,8 +184,6 @@ class Shape(
         >>> shape.mesh(rel="0.1%")
         <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
         """
-        from chordal._mesh import Mesh
-
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
         words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
@@ -211,7 +210,7 @@ class Shape(
                 bevel=bevel,
                 counted="triangles",
             )
-        return Mesh._of(source.mesh(budget, "ply", function("progress", progress)))
+        return registered.mesh._of(source.mesh(budget, "ply", function("progress", progress)))
 
     def to_field(self, *, tol: Length | None = None, rel: Share | None = None) -> Field:
         """The signed distance to the triangles, negative inside, as a `Field` that can be cut, blended, and evaluated at points.
@@ -226,14 +225,10 @@ class Shape(
         >>> solid.to_field()([[0.25, 0.25, -2.0], [0.25, 0.25, 0.125]])
         array([ 2.   , -0.125])
         """
-        from chordal._field import Field, field_of_mesh
-        from chordal._mesh import Mesh
-
-        if isinstance(self, Field):
+        if isinstance(self, registered.field):
             return self
-        if isinstance(self, Mesh):
-            return field_of_mesh(self)
-        return field_of_mesh(self.mesh(tol=tol, rel=rel))
+        mesh = self if isinstance(self, registered.mesh) else self.mesh(tol=tol, rel=rel)
+        return registered.field_of_mesh(mesh)
 
     def cage(self) -> Cage:
         """The polygons of a cage. Raises `Refused` for anything else.
@@ -243,9 +238,7 @@ class Shape(
         >>> chordal.load(square, format="obj", surface="catmull-clark").cage()
         <Cage: 1 face, 4 vertices, catmull-clark>
         """
-        from chordal._cage import Cage
-
-        return Cage._of(self._source.cage())
+        return registered.cage._of(self._source.cage())
 
     @keywords_hinted
     def flatten(

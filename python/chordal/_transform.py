@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
+from chordal import _chordal
 from chordal._arguments import number, vector
 from chordal._arrays import coordinates
 from chordal._hints import keywords_hinted
+from chordal._registry import registered
 from chordal._units import METRES, refuse_unknown, unit_of
 
 if TYPE_CHECKING:
@@ -116,9 +118,7 @@ class Transformable:
         return metres
 
     def _moved(self, rows: _Rows, keeps_angles: bool, unit: str | None = None) -> Mesh:
-        from chordal._mesh import Mesh
-
-        assert isinstance(self, Mesh)
+        assert isinstance(self, registered.mesh)
         if _volume_of(rows) == 0:
             raise ValueError("matrix: it flattens; of a mesh without thickness nothing is the front")
         if rows == [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] and unit in (None, self.unit):
@@ -134,7 +134,7 @@ class Transformable:
         if most is not None and not math.isfinite(most):
             # Beyond the range of doubles, nothing is known about the distance.
             moved = replace(moved, at_most=None, evidence="estimated")
-        return Mesh._of_source(source, moved)
+        return registered.mesh._of_source(source, moved)
 
 
 def _volume_of(rows: _Rows) -> float:
@@ -153,8 +153,6 @@ def _about(linear: _Rows, about: _Vector) -> _Rows:
 
 def _turn(axis: str | _Vector, degrees: float) -> _Rows:
     """Rodrigues' rotation. Sine and cosine are those of shape scripts, which are the same on every machine."""
-    from chordal._field import called
-
     letters = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
     if isinstance(axis, str):
         if axis not in letters:
@@ -167,6 +165,7 @@ def _turn(axis: str | _Vector, degrees: float) -> _Rows:
             raise ValueError("axis: a vector of zero length has no direction")
         x, y, z = x / length, y / length, z / length
     quarters = {0: (0.0, 1.0), 90: (1.0, 0.0), 180: (0.0, -1.0), 270: (-1.0, 0.0)}
+    called: Callable[..., Any] = _chordal.ScriptValue.call
     angle = called("radians", degrees)
     sine, cosine = quarters.get(degrees % 360) or (called("sin", angle), called("cos", angle))  # type: ignore[call-overload]
     versine = 1 - cosine

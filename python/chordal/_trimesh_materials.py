@@ -23,18 +23,7 @@ _PICTURES = {
 _DEFAULT_COLOR = [102, 102, 102, 255]
 
 
-def with_material_of(thing: Any, mesh: Mesh) -> Mesh:
-    """A mesh with the material of an object of trimesh, unless that is trimesh's default."""
-    visual = getattr(thing, "visual", None)
-    material = getattr(visual, "material", None) if getattr(visual, "kind", None) == "texture" else None
-    if material is None or not hasattr(material, "main_color") or _is_default(material):
-        return mesh
-    from chordal._assembly import Placed, scene
-
-    return scene(Placed(mesh, name="triangles", material=material_of(material, has_uv=mesh.uv is not None)))
-
-
-def _is_default(material: Any) -> bool:
+def is_default(material: Any) -> bool:
     """Whether it is trimesh's default for meshes without a material: grey, with a tiny image of one colour."""
     if hasattr(material, "baseColorFactor"):
         pictures = (getattr(material, name, None) for name in _PICTURES.values())

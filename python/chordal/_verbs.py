@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import functools
 import inspect as _inspect
-import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec, TypeVar
 
-from chordal._blockwise.volume import BlockVolume
 from chordal._budget import Length, Share, Time
-from chordal._cage import Cage
 from chordal._combine import one_by_one
-from chordal._curve import Curve
-from chordal._images import lattice_like
-from chordal._interop import mesh_of
-from chordal._load import File, load
+from chordal._load import File
 from chordal._mesh import Mesh
+from chordal._pieces import joined
 from chordal._shape import Progress, Shape
+from chordal._shaped import shaped
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -25,27 +21,6 @@ R = TypeVar("R")
 if TYPE_CHECKING:
     #: A shape, a curve, a cage, a file, the bytes of one, or a mesh of another library (see `Mesh.from_`).
     _Shaped = Shape | File | Any
-
-
-def shaped(name: str, thing: Any) -> Shape:
-    """The shape that a thing is, or that it can be read or converted to."""
-    if isinstance(thing, Shape):
-        return thing
-    if isinstance(thing, (Curve, Cage)):
-        return thing.shape()
-    if isinstance(thing, (str, os.PathLike, bytes, bytearray, memoryview)) or hasattr(thing, "read"):
-        return load(thing)
-    converted = mesh_of(thing)
-    if converted is None:
-        hint = ""
-        if isinstance(thing, BlockVolume):
-            hint = ": mesh it first, as in volume.mesh(iso=…)"
-        elif lattice_like(thing) or hasattr(thing, "__array_interface__"):
-            hint = ": chordal.volume makes one of arrays and images"
-        elif callable(thing):
-            hint = ": chordal.field makes one of functions"
-        raise TypeError(f"{name}: a shape, a path, bytes, or a mesh of another library, not {type(thing).__name__}{hint}")
-    return converted
 
 
 def _verb(
@@ -213,6 +188,29 @@ def intersection(
     0.125
     """
     return _combined("intersection", first, others, tol=tol, rel=rel, within=within, progress=progress)
+
+
+def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) -> Mesh:
+    """The triangles of meshes, files or meshes of other libraries as one part. The meshes are given as a list or one by one.
+    Nothing is cut or merged: `union` combines solids to one closed mesh.
+
+    Normals, texture coordinates and colours are kept if every mesh has them for its vertices. Materials are dropped with a
+    `UserWarning`; `scene` keeps them. The bound is the largest of all. Raises `ValueError` if units differ, or if there is no
+    mesh.
+
+    >>> import chordal
+    >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> both = chordal.concatenate([one, one.translate(0, 0, 1)])
+    >>> both.faces.tolist(), len(both.split())
+    ([[0, 1, 2], [3, 4, 5]], 2)
+    """
+    things = [meshes, *more] if more or isinstance(meshes, Shape) else meshes
+    shapes = [shaped("meshes", thing) for thing in things]
+    given = [shape for shape in shapes if isinstance(shape, Mesh)]
+    if len(given) < len(shapes):
+        other = next(shape for shape in shapes if not isinstance(shape, Mesh))
+        raise TypeError(f"meshes: triangles, not {other._source.kinds}: mesh them first")
+    return joined(given)
 
 
 def _combined(

@@ -95,6 +95,7 @@ from chordal._language import (
     union,
 )
 from chordal._letters import svg, text
+from chordal._registry import registered
 from chordal._script_words import box_of, check, fail, param
 from chordal._surface import surface
 
@@ -191,6 +192,8 @@ __all__ = [
     "y",
     "z",
 ]
+
+registered.words = frozenset(__all__)
 
 if not TYPE_CHECKING:
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal
+from chordal._array_to_volume import volume
 from chordal._blockwise.packing import packed, unpacked
 from chordal._errors import Error
-from chordal._volume import volume
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIn
 
 from chordal import _chordal
 from chordal._arguments import function, number, text
+from chordal._array_to_volume import steps_of
 from chordal._blockwise.cubes import Cubes
 from chordal._blockwise.folder import KeptFolder
 from chordal._blockwise.level_files import MeshLevel
@@ -51,15 +52,13 @@ from chordal._field import Field
 from chordal._hints import Guessed, keywords_hinted
 from chordal._images import lattice_of
 from chordal._meant import label_list
+from chordal._mesh import Mesh
 from chordal._table import table
 from chordal._units import VOLUME_METRES, refuse_unknown
-from chordal._volume import _steps
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
-
-    from chordal._mesh import Mesh
 
 
 Result = TypeVar("Result")
@@ -95,7 +94,7 @@ class BlockVolume(Guessed):
             hint = "; of several volumes take one, as in array[..., 0]" if len(array.shape) > 3 else ""
             raise ValueError(f"array: three axes, not {len(array.shape)}{hint}")
         self._array: Final = array
-        rows = np.asarray(_steps(spacing, origin, affine), dtype=np.float64).T
+        rows = np.asarray(steps_of(spacing, origin, affine), dtype=np.float64).T
         self._affine: Final = tuple(tuple(float(x) for x in row) for row in rows)
         self._unit: Final = text("unit", unit)
         if unit is not None:
@@ -168,8 +167,6 @@ class BlockVolume(Guessed):
         the best mesh if `tol` is less than the error of the blocks themselves, and `Error` with the place of a block that
         cannot be read; finished blocks stay in the folder.
         """
-        from chordal._mesh import Mesh
-
         surface = self._surface(iso, inside, border)
         blocks = list(self.blocks(block))
         metres = self._metres()
@@ -230,8 +227,6 @@ class BlockVolume(Guessed):
         >>> [(label, mesh.is_watertight) for label, mesh in meshes.items()]
         [(1, True), (2, True)]
         """
-        from chordal._mesh import Mesh
-
         surface = self._surface(0.5, "high", border)
         chosen = None if only is None else frozenset(label_list("only", only))
         call = partial(mesh_labels, surface, chosen)
@@ -516,7 +511,7 @@ def block_volume(
     if isinstance(array, Field):
         if affine is not None or spacing is None:
             raise TypeError("spacing: the step of the lattice on which a field is sampled, one number or three")
-        rows = _steps(spacing, origin, None)
+        rows = steps_of(spacing, origin, None)
         steps = [float(rows[k, k]) for k in range(3)]
         if min(steps) <= 0:
             raise ValueError(f"spacing: steps above 0, not {steps}")
