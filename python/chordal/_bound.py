@@ -8,7 +8,7 @@ from decimal import MAX_EMAX, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Context, Dec
 from typing import Any, SupportsFloat
 
 from chordal._hints import Guessed
-from chordal._table import table
+from chordal._html import table
 
 
 @dataclass(frozen=True)

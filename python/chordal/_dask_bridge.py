@@ -13,11 +13,11 @@ import signal
 import sys
 import threading
 import warnings
+from importlib import import_module
 from typing import Any, Final
 
 from chordal._batch_job import do_job
 from chordal._chordal import VERSION
-from chordal._libraries import library
 
 #: The timeout of a connection. Defined: a scheduler answers in far less, and another call tries again.
 _CONNECT_S: Final = 5
@@ -123,7 +123,7 @@ def _failed(number: int, error: Exception) -> dict[str, Any]:
 
 async def _serve(address: str, out: int) -> None:
     try:
-        distributed = library("distributed")
+        distributed = import_module("distributed")
         client = await distributed.Client(address, asynchronous=True, timeout=_CONNECT_S, set_as_default=False)
     except ImportError as error:
         _send(out, fault=f"Dask's distributed cannot be imported: {error}; it is installed by: pip install distributed")

@@ -12,11 +12,11 @@ from chordal._arguments import function
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length
 from chordal._hints import Guessed
+from chordal._html import table
 from chordal._option_tables import DEVIATION
 from chordal._options import options
 from chordal._registry import registered
 from chordal._report import Report
-from chordal._table import table
 
 if TYPE_CHECKING:
     from chordal._shape import Shape

@@ -17,10 +17,10 @@ from chordal._curve import Curve
 from chordal._devices import parameter_of
 from chordal._functions import Sided, of_bytes, try_at_points, warn_of_complement
 from chordal._hints import keywords_hinted, refuse_own
+from chordal._html import table
 from chordal._recipe import Recipe, Remakeable
 from chordal._registry import registered
 from chordal._shape import Shape
-from chordal._table import table
 
 if TYPE_CHECKING:
     import numpy as np

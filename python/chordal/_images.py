@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from chordal._arguments import warn
-from chordal._libraries import library
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,7 +63,7 @@ def _of_simpleitk(image: Any) -> Lattice:
 
     if image.GetDimension() != 3:
         raise ValueError(f"array: an image of three axes, not {image.GetDimension()}")
-    SimpleITK = library("SimpleITK")
+    SimpleITK = import_module("SimpleITK")
 
     array = SimpleITK.GetArrayViewFromImage(image)
     affine = np.eye(4)
@@ -123,7 +123,7 @@ def _scalars_of_vtk(image: Any) -> NDArray[Any]:
         values = image.active_scalars
     else:
         scalars = image.GetPointData().GetScalars() or image.GetCellData().GetScalars()
-        values = None if scalars is None else library("vtkmodules.util.numpy_support").vtk_to_numpy(scalars)
+        values = None if scalars is None else import_module("vtkmodules.util.numpy_support").vtk_to_numpy(scalars)
     if values is None:
         raise ValueError("array: this image has no active scalars")
     scalars_array: NDArray[Any] = np.asarray(values)
@@ -148,7 +148,7 @@ class Imaged:
 
     def to_nibabel(self) -> Any:
         """An image of nibabel, with the matrix of this volume, and its unit if NIfTI has it."""
-        nibabel = library("nibabel")
+        nibabel = import_module("nibabel")
         import numpy as np
 
         array = self.array
@@ -164,7 +164,7 @@ class Imaged:
     def to_simpleitk(self) -> Any:
         """An image of SimpleITK. Raises `ValueError` if the axes are not orthogonal, which SimpleITK cannot represent."""
         import numpy as np
-        SimpleITK = library("SimpleITK")
+        SimpleITK = import_module("SimpleITK")
 
         steps = self.affine[:3, :3]
         spacing = np.linalg.norm(steps, axis=0)
@@ -179,7 +179,7 @@ class Imaged:
 
     def to_pyvista(self) -> Any:
         """A `pyvista.ImageData` with a copy of the samples as point data "values"."""
-        pyvista = library("pyvista")
+        pyvista = import_module("pyvista")
         import numpy as np
 
         image = pyvista.ImageData(dimensions=self.array.shape)
@@ -191,7 +191,7 @@ class Imaged:
     def to_xarray(self) -> Any:
         """A DataArray of xarray along x, y and z. Raises `ValueError` if the axes are rotated, which xarray cannot represent."""
         import numpy as np
-        xarray = library("xarray")
+        xarray = import_module("xarray")
 
         steps = self.affine[:3, :3]
         if np.any(steps != np.diag(np.diag(steps))):

@@ -4,10 +4,10 @@ recognized by their attributes.
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from chordal._arguments import warn
-from chordal._libraries import library
 from chordal._registry import registered
 from chordal._scene import first_of
 from chordal._trimesh_materials import material_to_trimesh
@@ -63,7 +63,7 @@ class Interoperable:
         dropped with a `UserWarning`.
         """
         import numpy as np
-        trimesh = library("trimesh")
+        trimesh = import_module("trimesh")
 
         colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
         visual = None
@@ -91,7 +91,7 @@ class Interoperable:
         vertices. The bound is in its field data "chordal".
         """
         import numpy as np
-        pyvista = library("pyvista")
+        pyvista = import_module("pyvista")
 
         poly_data = pyvista.PolyData.from_regular_faces(np.array(self.vertices), self.faces.astype(np.int64))
         colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
@@ -108,7 +108,7 @@ class Interoperable:
     def to_open3d(self) -> Any:
         """An `open3d.geometry.TriangleMesh` with the same vertices and faces, and normals and colours of vertices."""
         import numpy as np
-        open3d = library("open3d")
+        open3d = import_module("open3d")
 
         result = open3d.geometry.TriangleMesh(
             open3d.utility.Vector3dVector(np.array(self.vertices)), open3d.utility.Vector3iVector(np.array(self.faces))
@@ -125,7 +125,7 @@ class Interoperable:
 
     def to_manifold3d(self) -> Any:
         """A `manifold3d.Manifold` of closed triangles. Raises `ValueError` if manifold3d does not accept them as a solid."""
-        manifold3d = library("manifold3d")
+        manifold3d = import_module("manifold3d")
         import numpy as np
 
         mesh = manifold3d.Mesh64(np.array(self.vertices), self.faces.astype(np.uint64))
@@ -137,7 +137,7 @@ class Interoperable:
 
     def to_meshio(self) -> Any:
         """A `meshio.Mesh` with the same vertices and faces, and with normals, texture coordinates and colours of vertices."""
-        meshio = library("meshio")
+        meshio = import_module("meshio")
         import numpy as np
 
         names: tuple[tuple[_Kind, str], ...] = (("normal", "normals"), ("uv", "uv"), ("color", "colors"))

@@ -14,13 +14,13 @@ from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, length_options
 from chordal._errors import BudgetUnmet
 from chordal._hints import Guessed, keywords_hinted
+from chordal._html import columns
 from chordal._option_tables import LOD, OUTPUT
 from chordal._options import options
 from chordal._recipe import Recipe, Remakeable
 from chordal._registry import registered
 from chordal._report import Report
 from chordal._sourced import Sourced
-from chordal._table import columns
 from chordal._view import View, words_of
 
 if TYPE_CHECKING:

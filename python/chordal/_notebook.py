@@ -9,8 +9,8 @@ import os
 from typing import TYPE_CHECKING, Any, Final
 
 from chordal._deviation_samples import SampledDeviation, sampled_deviation
+from chordal._html import columns, table
 from chordal._looks import looks_of
-from chordal._table import columns, table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

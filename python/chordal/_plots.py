@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from chordal._arguments import number
 from chordal._curve import Curve
 from chordal._errors import BudgetUnmet
+from chordal._html import columns
 from chordal._shape import Shape
-from chordal._table import columns
 
 if TYPE_CHECKING:
     import numpy as np

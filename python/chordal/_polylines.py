@@ -12,10 +12,10 @@ from chordal._arrays import as_asked
 from chordal._bound import Bound, bound_of
 from chordal._convert import Convertible
 from chordal._hints import Guessed
+from chordal._html import table
 from chordal._made import Form, counted, of_outcome, remade
 from chordal._report import Report
 from chordal._sourced import plain_reading
-from chordal._table import table
 
 if TYPE_CHECKING:
     import numpy as np

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from chordal._bound import Bound, bound_of
-from chordal._table import table
+from chordal._html import table
 
 #: The properties of triangles that are listed if they hold, by their names in the report.
 _VALID = ("closed", "manifold", "oriented")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from chordal import _chordal
 from chordal._hints import Guessed
-from chordal._table import table
+from chordal._html import table
 
 if TYPE_CHECKING:
     import numpy as np

@@ -15,6 +15,7 @@ from chordal._convert import Convertible
 from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
 from chordal._hints import Guessed, GuessedType, keywords_hinted, refuse_own
+from chordal._html import table
 from chordal._levels import Levelled
 from chordal._meant import meant, meant_of
 from chordal._mend import Mendable
@@ -23,7 +24,6 @@ from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
 from chordal._registry import registered
 from chordal._report import Report
-from chordal._table import table
 from chordal._view import View
 
 if TYPE_CHECKING:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import io
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from chordal._libraries import library
 from chordal._material import Material
 
 if TYPE_CHECKING:
@@ -50,8 +50,8 @@ def material_to_trimesh(mesh: Mesh) -> Any:
     for name in _PICTURES.values():
         reference = pbr.get(name, gltf.get(name))
         image = None if reference is None else mesh.images[mesh.textures[reference["index"]].get("source", 0)]
-        pictures[name] = None if image is None else library("PIL.Image").open(io.BytesIO(image))
-    return library("trimesh").visual.material.PBRMaterial(
+        pictures[name] = None if image is None else import_module("PIL.Image").open(io.BytesIO(image))
+    return import_module("trimesh").visual.material.PBRMaterial(
         name=gltf.get("name") or None,
         baseColorFactor=pbr.get("baseColorFactor"),
         metallicFactor=pbr.get("metallicFactor"),

@@ -16,7 +16,7 @@ from chordal._errors import ReadError, Refused
 from chordal._hints import keywords_hinted
 from chordal._report import Report
 from chordal._shape import Progress, Shape
-from chordal._shaped import shaped
+from chordal._verbs import shaped
 
 __all__ = ["verify"]
 

@@ -8,17 +8,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
-from chordal._array_to_png import slice_to_png
 from chordal._arrays import as_asked
 from chordal._bound import Bound, bound_of
 from chordal._hints import keywords_hinted
+from chordal._html import slice_to_png, table
 from chordal._images import Imaged
 from chordal._meant import meant, meant_of
 from chordal._registry import registered
 from chordal._report import Report
 from chordal._shape import Shape
 from chordal._sourced import plain_reading
-from chordal._table import table
 from chordal._units import unit_of
 
 if TYPE_CHECKING:

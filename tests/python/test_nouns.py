@@ -15,7 +15,7 @@ import pytest
 from conftest import TEAPOT
 
 import chordal
-from chordal import _array_to_png
+from chordal import _html
 from chordal.shapes import arc, bezier, move, sphere, x
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -159,7 +159,7 @@ def test_a_length_is_within_the_bound_or_not() -> None:
 
 def test_layers_of_samples_are_drawn_from_the_least_to_the_most() -> None:
     layer = np.array([[0.0, 1.0], [2.0, np.nan], [1e308, -1e308]])
-    content = _array_to_png.slice_to_png(layer)
+    content = _html.slice_to_png(layer)
     assert content[12:24] == b"IHDR" + (3).to_bytes(4, "big") + (2).to_bytes(4, "big")
     start = content.index(b"IDAT") + 4
     shown = np.frombuffer(zlib.decompressobj().decompress(content[start:]), np.uint8).reshape(2, 4)[:, 1:]

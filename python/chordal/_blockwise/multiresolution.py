@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from chordal import _chordal
@@ -20,7 +21,6 @@ from chordal._blockwise.packing import BoundState, packed, unpacked
 from chordal._blockwise.precomputed import HOLDS, NANOMETRES
 from chordal._blockwise.tasks import Surface, label_named, labelled
 from chordal._errors import Refused
-from chordal._libraries import library
 
 if TYPE_CHECKING:
     from chordal._blockwise.workers import Task, Workers
@@ -235,7 +235,7 @@ class LabelTree:
 
 def _draco() -> Any:
     try:
-        return library("DracoPy")
+        return import_module("DracoPy")
     except ImportError as error:
         message = "Neuroglancer's meshes of several levels are compressed by Draco: install the package DracoPy"
         raise ImportError(f"{message}, as by pip install DracoPy, here and where workers are", name="DracoPy") from error

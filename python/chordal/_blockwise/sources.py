@@ -13,13 +13,13 @@ import secrets
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from chordal._arguments import warn
 from chordal._blockwise.file_marks import known_of_files
 from chordal._blockwise.sampled import FieldSamples
 from chordal._images import nibabel_facts
-from chordal._libraries import library
 from chordal._units import METRES
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def opened(path: str, level: int, channel: int | None) -> Placed:
         return Placed(_NpyFile(path))
     if path.startswith("precomputed://") or os.path.isfile(os.path.join(path, "info")):
         return _precomputed(path.removeprefix("precomputed://").removeprefix("file://"), level, channel)
-    node = library("zarr").open(path, mode="r")
+    node = import_module("zarr").open(path, mode="r")
     if hasattr(node, "dtype"):
         refuse_choice("level", level, "an array of Zarr")
         refuse_choice("channel", channel, "an array of Zarr")
@@ -170,7 +170,7 @@ class _NiftiFile(_Opened):
         import numpy as np
 
         self._path: Final = os.path.abspath(path)
-        image = library("nibabel").load(self._path)
+        image = import_module("nibabel").load(self._path)
         self.shape = tuple(int(n) for n in image.shape[:3])
         is_plain, _ = nibabel_facts(image)
         self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
@@ -180,7 +180,7 @@ class _NiftiFile(_Opened):
         self._more: Final = tuple(int(n) for n in np.unravel_index(number, more, order="F")) if more else ()
 
     def _array(self) -> Any:
-        return library("nibabel").load(self._path).dataobj
+        return import_module("nibabel").load(self._path).dataobj
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
         index = (*slices, *self._more)
@@ -190,7 +190,7 @@ class _NiftiFile(_Opened):
 def _nifti(path: str, volume: int | None) -> Placed:
     import numpy as np
 
-    image = library("nibabel").load(path)
+    image = import_module("nibabel").load(path)
     _, unit = nibabel_facts(image)
     return Placed(_NiftiFile(path, volume), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
 
@@ -262,7 +262,7 @@ class _ZarrArray(_Opened):
         self.dtype = array.dtype
 
     def _array(self) -> Any:
-        zarr = library("zarr")
+        zarr = import_module("zarr")
         if self._name:
             return _once(self._token, lambda: zarr.open_group(self._path, mode="r")[self._name])
         return _once(self._token, lambda: zarr.open_array(self._path, mode="r"))
@@ -327,7 +327,7 @@ def _axis(axis: str | Mapping[str, Any]) -> tuple[str, str | None, str | None]:
 
 
 def _tensorstore(path: str, level: int) -> Any:
-    tensorstore = library("tensorstore")
+    tensorstore = import_module("tensorstore")
     kvstore = path if "://" in path else {"driver": "file", "path": path}
     spec = {"driver": "neuroglancer_precomputed", "kvstore": kvstore, "scale_index": level}
     return tensorstore.open(spec, open=True, read=True).result()

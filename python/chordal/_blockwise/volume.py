@@ -50,10 +50,10 @@ from chordal._budget import Length, length_in
 from chordal._errors import BudgetError, BudgetUnmet, Refused
 from chordal._field import Field
 from chordal._hints import Guessed, keywords_hinted
+from chordal._html import table
 from chordal._images import lattice_of
 from chordal._meant import label_list
 from chordal._mesh import Mesh
-from chordal._table import table
 from chordal._units import VOLUME_METRES, refuse_unknown
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, wait
+from importlib import import_module
 from typing import Any, Final, TypeVar
 
 from chordal._errors import Error
-from chordal._libraries import library
 
 Key = TypeVar("Key")
 #: A task: its key, its name in messages, and the arguments of its function; or a function that returns them when the task
@@ -23,7 +23,7 @@ class Workers:
         if cluster is not None and executor is not None:
             raise TypeError("executor, cluster: give one of them")
         self._is_own: Final = cluster is not None
-        self._executor: Final[Any] = library("distributed").Client(cluster) if cluster is not None else executor
+        self._executor: Final[Any] = import_module("distributed").Client(cluster) if cluster is not None else executor
         self._is_dask: Final = hasattr(self._executor, "scheduler_info")
 
     def __enter__(self) -> Workers:
@@ -66,7 +66,7 @@ class Workers:
 
     def _done(self, running: list[Any]) -> Any:
         if self._is_dask:
-            return library("distributed").wait(running, return_when="FIRST_COMPLETED").done
+            return import_module("distributed").wait(running, return_when="FIRST_COMPLETED").done
         return wait(running, return_when=FIRST_COMPLETED).done
 
     def _at_once(self) -> int:
