@@ -1,6 +1,8 @@
-"""The functions of shape scripts, by the same names: the text of a script also runs after `from chordal.shapes import *`.
+"""The functions of shape scripts, by the same names: the text of a script also runs in Python.
 
-The page on shape scripts describes each of them, and the quality of its value as a distance.
+The page on shape scripts describes each of them, and the quality of its value as a distance. Written from
+the table in `crates/chordal-script/src/language` by
+`CHORDAL_WRITE_LANGUAGE=1 cargo test -p chordal-script --test written`.
 """
 
 from __future__ import annotations
@@ -11,6 +13,83 @@ from typing import TYPE_CHECKING, Any, SupportsFloat, overload
 from chordal._curve import Curve
 from chordal._field import Field, Formula, called
 from chordal._hints import keywords_hinted
+
+__all__ = [
+    "sphere",
+    "box",
+    "rounded_box",
+    "cylinder",
+    "cone",
+    "capsule",
+    "torus",
+    "ellipsoid",
+    "prism",
+    "octahedron",
+    "tetrahedron",
+    "plane",
+    "triangle",
+    "hull",
+    "sweep",
+    "thread",
+    "gyroid",
+    "schwarz_p",
+    "diamond",
+    "circle",
+    "rectangle",
+    "rounded_rectangle",
+    "segment",
+    "polygon",
+    "regular_polygon",
+    "planar_hull",
+    "union",
+    "intersection",
+    "difference",
+    "complement",
+    "smooth_union",
+    "smooth_intersection",
+    "smooth_difference",
+    "move",
+    "rotate_x",
+    "rotate_y",
+    "rotate_z",
+    "rotate",
+    "scale",
+    "stretch",
+    "mirror",
+    "repeat",
+    "linear",
+    "polar",
+    "symmetric",
+    "offset",
+    "minkowski",
+    "shell",
+    "redistance",
+    "extrude",
+    "section",
+    "taper",
+    "loft",
+    "revolve",
+    "twist",
+    "bend",
+    "displace",
+    "color",
+    "material",
+    "sqrt",
+    "exp",
+    "log",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "floor",
+    "ceil",
+    "minimum",
+    "maximum",
+    "radians",
+]
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -575,7 +654,141 @@ def material(
     return called("material", shape, name, color, metallic, roughness)  # type: ignore[no-any-return]
 
 
-for _name, _function in list(globals().items()):
+@overload
+def sqrt(value: SupportsFloat) -> float: ...
+@overload
+def sqrt(value: Formula | SupportsFloat) -> Formula | float: ...
+def sqrt(value: Formula | SupportsFloat) -> Formula | float:
+    """The square root."""
+    return called("sqrt", value)  # type: ignore[no-any-return]
+
+
+@overload
+def exp(value: SupportsFloat) -> float: ...
+@overload
+def exp(value: Formula | SupportsFloat) -> Formula | float: ...
+def exp(value: Formula | SupportsFloat) -> Formula | float:
+    """The exponential function."""
+    return called("exp", value)  # type: ignore[no-any-return]
+
+
+@overload
+def log(value: SupportsFloat) -> float: ...
+@overload
+def log(value: Formula | SupportsFloat) -> Formula | float: ...
+def log(value: Formula | SupportsFloat) -> Formula | float:
+    """The natural logarithm."""
+    return called("log", value)  # type: ignore[no-any-return]
+
+
+@overload
+def sin(value: SupportsFloat) -> float: ...
+@overload
+def sin(value: Formula | SupportsFloat) -> Formula | float: ...
+def sin(value: Formula | SupportsFloat) -> Formula | float:
+    """The sine of an angle in radians."""
+    return called("sin", value)  # type: ignore[no-any-return]
+
+
+@overload
+def cos(value: SupportsFloat) -> float: ...
+@overload
+def cos(value: Formula | SupportsFloat) -> Formula | float: ...
+def cos(value: Formula | SupportsFloat) -> Formula | float:
+    """The cosine of an angle in radians."""
+    return called("cos", value)  # type: ignore[no-any-return]
+
+
+@overload
+def tan(value: SupportsFloat) -> float: ...
+@overload
+def tan(value: Formula | SupportsFloat) -> Formula | float: ...
+def tan(value: Formula | SupportsFloat) -> Formula | float:
+    """The tangent of an angle in radians."""
+    return called("tan", value)  # type: ignore[no-any-return]
+
+
+@overload
+def asin(value: SupportsFloat) -> float: ...
+@overload
+def asin(value: Formula | SupportsFloat) -> Formula | float: ...
+def asin(value: Formula | SupportsFloat) -> Formula | float:
+    """The arcsine, in radians."""
+    return called("asin", value)  # type: ignore[no-any-return]
+
+
+@overload
+def acos(value: SupportsFloat) -> float: ...
+@overload
+def acos(value: Formula | SupportsFloat) -> Formula | float: ...
+def acos(value: Formula | SupportsFloat) -> Formula | float:
+    """The arccosine, in radians."""
+    return called("acos", value)  # type: ignore[no-any-return]
+
+
+@overload
+def atan(value: SupportsFloat) -> float: ...
+@overload
+def atan(value: Formula | SupportsFloat) -> Formula | float: ...
+def atan(value: Formula | SupportsFloat) -> Formula | float:
+    """The arctangent, in radians."""
+    return called("atan", value)  # type: ignore[no-any-return]
+
+
+@overload
+def atan2(y: SupportsFloat, x: SupportsFloat) -> float: ...
+@overload
+def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float: ...
+def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float:
+    """The angle of the point (x, y) from the x axis, in radians."""
+    return called("atan2", y, x)  # type: ignore[no-any-return]
+
+
+@overload
+def floor(value: SupportsFloat) -> float: ...
+@overload
+def floor(value: Formula | SupportsFloat) -> Formula | float: ...
+def floor(value: Formula | SupportsFloat) -> Formula | float:
+    """The largest integer that is not above the value."""
+    return called("floor", value)  # type: ignore[no-any-return]
+
+
+@overload
+def ceil(value: SupportsFloat) -> float: ...
+@overload
+def ceil(value: Formula | SupportsFloat) -> Formula | float: ...
+def ceil(value: Formula | SupportsFloat) -> Formula | float:
+    """The smallest integer that is not below the value."""
+    return called("ceil", value)  # type: ignore[no-any-return]
+
+
+@overload
+def minimum(a: SupportsFloat, b: SupportsFloat) -> float: ...
+@overload
+def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
+def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
+    """The smaller of two values."""
+    return called("minimum", a, b)  # type: ignore[no-any-return]
+
+
+@overload
+def maximum(a: SupportsFloat, b: SupportsFloat) -> float: ...
+@overload
+def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
+def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
+    """The larger of two values."""
+    return called("maximum", a, b)  # type: ignore[no-any-return]
+
+
+@overload
+def radians(value: SupportsFloat) -> float: ...
+@overload
+def radians(value: Formula | SupportsFloat) -> Formula | float: ...
+def radians(value: Formula | SupportsFloat) -> Formula | float:
+    """An angle in degrees, converted to radians."""
+    return called("radians", value)  # type: ignore[no-any-return]
+
+
+for _name in __all__:
     # Guessed keywords, as in sphere(r=1), get an error that names the right one.
-    if getattr(_function, "__module__", None) == __name__ and not _name.startswith("_"):
-        globals()[_name] = keywords_hinted(_function)
+    globals()[_name] = keywords_hinted(globals()[_name])

@@ -1,11 +1,20 @@
-"""Functions of shape scripts that are not shapes: parameters, boxes of shapes, and checks."""
+"""Words of shape scripts beside the functions of shapes: coordinates, parameters, boxes of shapes, and checks."""
 
 from __future__ import annotations
 
 import math
 from typing import SupportsFloat
 
-from chordal._field import Field
+from chordal._field import Field, Formula, coordinate
+
+#: Half of a full turn, in radians.
+pi: float = math.pi
+#: The first coordinate of a point.
+x: Formula = coordinate(0)
+#: The second coordinate of a point.
+y: Formula = coordinate(1)
+#: The third coordinate of a point, which is height.
+z: Formula = coordinate(2)
 
 
 def param(name: str, default: SupportsFloat) -> float:

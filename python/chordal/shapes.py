@@ -12,47 +12,37 @@ from typing import TYPE_CHECKING
 
 from chordal._curve import arc, bezier, fit, nurbs, spline
 from chordal._field import field
-from chordal._formulas import (
+from chordal._language import (
     acos,
     asin,
     atan,
     atan2,
-    ceil,
-    cos,
-    exp,
-    floor,
-    log,
-    maximum,
-    minimum,
-    pi,
-    radians,
-    sin,
-    sqrt,
-    tan,
-    x,
-    y,
-    z,
-)
-from chordal._language import (
     bend,
     box,
     capsule,
+    ceil,
     circle,
     color,
     complement,
     cone,
+    cos,
     cylinder,
     diamond,
     difference,
     displace,
     ellipsoid,
+    exp,
     extrude,
+    floor,
     gyroid,
     hull,
     intersection,
     linear,
     loft,
+    log,
     material,
+    maximum,
+    minimum,
     minkowski,
     mirror,
     move,
@@ -63,6 +53,7 @@ from chordal._language import (
     polar,
     polygon,
     prism,
+    radians,
     rectangle,
     redistance,
     regular_polygon,
@@ -79,13 +70,16 @@ from chordal._language import (
     section,
     segment,
     shell,
+    sin,
     smooth_difference,
     smooth_intersection,
     smooth_union,
     sphere,
+    sqrt,
     stretch,
     sweep,
     symmetric,
+    tan,
     taper,
     tetrahedron,
     thread,
@@ -96,7 +90,7 @@ from chordal._language import (
 )
 from chordal._letters import svg, text
 from chordal._registry import registered
-from chordal._script_words import box_of, check, fail, param
+from chordal._script_words import box_of, check, fail, param, pi, x, y, z
 from chordal._surface import surface
 
 __all__ = [

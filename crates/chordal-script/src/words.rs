@@ -1,6 +1,9 @@
 //! The words of a script other than the functions of the language: built-in functions, constants and
 //! keywords.
-use crate::language::{self, FunctionParameter, ParameterDefault, defaulting, optional, required, variadic};
+use crate::language::{
+    self, FunctionParameter, ParameterDefault, ParameterKind as Kind, defaulting, optional, required,
+    variadic,
+};
 
 /// A built-in function: one of Starlark's, or one that reads a file, a parameter or a shape's box.
 #[derive(Debug)]
@@ -27,26 +30,26 @@ const fn plain(name: &'static str, parameters: &'static [FunctionParameter], abo
     BuiltIn { name, parameters, about, distance: "" }
 }
 
-const VALUE: &[FunctionParameter] = &[required("value")];
-const VALUES: &[FunctionParameter] = &[required("values")];
-const ANY: &[FunctionParameter] = &[variadic("values")];
+const VALUE: &[FunctionParameter] = &[required("value").of(Kind::Any)];
+const VALUES: &[FunctionParameter] = &[required("values").of(Kind::Any)];
+const ANY: &[FunctionParameter] = &[variadic("values").of(Kind::Any)];
 
 /// Every built-in function: Chordal's own first, then Starlark's.
 pub const BUILT_INS: &[BuiltIn] = &[
     plain(
         "param",
-        &[required("name"), required("default")],
+        &[required("name").of(Kind::Text), required("default")],
         "A number that can be set by its name from outside the script; otherwise the default.",
     ),
     BuiltIn {
         name: "mesh",
-        parameters: &[required("name")],
+        parameters: &[required("name").of(Kind::Text)],
         about: "The triangle mesh in a file beside the script, as a shape.",
         distance: "exact distance; sign only if the mesh is not closed",
     },
     BuiltIn {
         name: "svg",
-        parameters: &[required("name"), required("tolerance")],
+        parameters: &[required("name").of(Kind::Text), required("tolerance")],
         about: "The filled area of a drawing in a file beside the script, as a 2D shape. Its curves are \
             replaced by polygons within the tolerance.",
         distance: "exact distance to the boundary of the filled area",
@@ -54,11 +57,11 @@ pub const BUILT_INS: &[BuiltIn] = &[
     BuiltIn {
         name: "text",
         parameters: &[
-            required("text"),
-            required("font"),
+            required("text").of(Kind::Text),
+            required("font").of(Kind::Text),
             required("tolerance"),
             optional("em", 1.0),
-            defaulting("align", ParameterDefault::Text("left")),
+            defaulting("align", ParameterDefault::Text("left")).of(Kind::Text),
         ],
         about: "The letters of a text in a font beside the script, as a 2D shape. Their curves are \
             replaced by polygons within the tolerance. Lines start at x = 0; if aligned \"center\" or \
@@ -68,7 +71,12 @@ pub const BUILT_INS: &[BuiltIn] = &[
     },
     BuiltIn {
         name: "heightmap",
-        parameters: &[required("name"), required("size"), required("height"), required("base")],
+        parameters: &[
+            required("name").of(Kind::Text),
+            required("size").of(Kind::Vector),
+            required("height"),
+            required("base"),
+        ],
         about: "The solid below a PNG beside the script, whose grey values are taken as heights. The size \
             is two lengths along x and y; the floor is at z = 0, black is above it by the base, and white \
             above black by the height.",
@@ -76,17 +84,17 @@ pub const BUILT_INS: &[BuiltIn] = &[
     },
     plain(
         "box_of",
-        &[required("shape")],
+        &[required("shape").of(Kind::Shape)],
         "A box that contains the shape, as a dictionary of lists of three numbers, or of two for 2D \
          shapes: \"min\" and \"max\" are its lowest and highest corner, \"size\" and \"center\" its side \
          lengths and centre. It may be larger than necessary.",
     ),
     plain(
         "check",
-        &[required("condition"), required("message")],
+        &[required("condition").of(Kind::Any), required("message").of(Kind::Text)],
         "Ends the script with a message unless the condition holds.",
     ),
-    plain("fail", &[required("message")], "Ends the script with a message."),
+    plain("fail", &[required("message").of(Kind::Text)], "Ends the script with a message."),
     plain("print", ANY, "Adds a line with the values to the script's report."),
     plain("abs", VALUE, "The absolute value of a number or formula."),
     plain("bool", VALUE, "False if the value is 0, empty or None; otherwise True."),
@@ -109,7 +117,7 @@ pub const BUILT_INS: &[BuiltIn] = &[
     plain("tuple", VALUES, "A tuple of the items of a list."),
     plain(
         "zip",
-        &[variadic("lists")],
+        &[variadic("lists").of(Kind::Any)],
         "A tuple of the first items of all lists, then one of the second items, and so on to the end of \
          the shortest list.",
     ),

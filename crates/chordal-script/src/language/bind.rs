@@ -32,7 +32,53 @@ pub struct FunctionParameter {
     pub default: Option<ParameterDefault>,
     /// Whether it takes any number of arguments.
     pub rest: bool,
+    /// What it takes.
+    pub kind: ParameterKind,
 }
+
+/// What a parameter takes, for hosts that declare the types of parameters. The function judges its arguments
+/// itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterKind {
+    /// A number.
+    Number,
+    /// A list of numbers.
+    Numbers,
+    /// A text.
+    Text,
+    /// True or False.
+    Truth,
+    /// A point or a direction: two numbers in the plane, three in space.
+    Vector,
+    /// A list of points.
+    Points,
+    /// A path, or the corners of a polyline or polygon.
+    Path,
+    /// A shape. If there may be any number of them, also a list of shapes.
+    Shape,
+    /// A list of shapes.
+    Shapes,
+    /// A list of points, a shape, or a list of shapes.
+    PointsOrShapes,
+    /// A 2D shape or a number.
+    ShapeOrNumber,
+    /// A formula or a number.
+    Formula,
+    /// A colour: a text, or a list of numbers.
+    Color,
+    /// Any value.
+    Any,
+}
+
+impl FunctionParameter {
+    /// The same parameter for values of another kind.
+    pub(crate) const fn of(self, kind: ParameterKind) -> Self {
+        Self { kind, ..self }
+    }
+}
+
+/// The shape that a function changes or places.
+pub(super) const SHAPE: FunctionParameter = required("shape").of(ParameterKind::Shape);
 
 /// The default value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,24 +115,24 @@ impl fmt::Display for ParameterDefault {
     }
 }
 
-/// A required argument.
+/// A required number.
 pub(crate) const fn required(name: &'static str) -> FunctionParameter {
-    FunctionParameter { name, default: None, rest: false }
+    FunctionParameter { name, default: None, rest: false, kind: ParameterKind::Number }
 }
 
-/// An optional argument.
+/// An optional number.
 pub(crate) const fn optional(name: &'static str, default: f64) -> FunctionParameter {
     defaulting(name, ParameterDefault::Number(default))
 }
 
-/// An optional argument of any kind.
+/// An optional number with a default of any kind.
 pub(crate) const fn defaulting(name: &'static str, default: ParameterDefault) -> FunctionParameter {
-    FunctionParameter { name, default: Some(default), rest: false }
+    FunctionParameter { default: Some(default), ..required(name) }
 }
 
-/// Any number of arguments.
+/// Any number of numbers.
 pub(crate) const fn variadic(name: &'static str) -> FunctionParameter {
-    FunctionParameter { name, default: None, rest: true }
+    FunctionParameter { rest: true, ..required(name) }
 }
 
 /// The signature of a function of this name.

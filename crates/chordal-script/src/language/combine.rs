@@ -1,5 +1,7 @@
 //! Unions, intersections and differences, sharp and smooth.
-use super::bind::{BoundArgs, Function, counted_result, optional, required, variadic};
+use super::bind::{
+    BoundArgs, Function, ParameterKind as Kind, SHAPE, counted_result, optional, required, variadic,
+};
 use super::{Arg, CallError, Solid};
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{Field, Seam};
@@ -8,7 +10,7 @@ use chordal::implicit::{Field, Seam};
 pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "union",
-        parameters: &[variadic("shapes"), optional("fillet", 0.0), optional("chamfer", 0.0)],
+        parameters: &[variadic("shapes").of(Kind::Shape), optional("fillet", 0.0), optional("chamfer", 0.0)],
         about: "All points in any of the shapes, like `a | b`; also takes a list of shapes. A fillet or \
             chamfer fills the inner edges where the shapes meet.",
         distance: "outside as for the weakest of the shapes, inside a lower bound; with a fillet or chamfer a lower bound",
@@ -16,7 +18,7 @@ pub(super) const COMBINE: &[Function] = &[
     },
     Function {
         name: "intersection",
-        parameters: &[variadic("shapes"), optional("fillet", 0.0), optional("chamfer", 0.0)],
+        parameters: &[variadic("shapes").of(Kind::Shape), optional("fillet", 0.0), optional("chamfer", 0.0)],
         about: "The points common to all of the shapes, like `a & b`. A fillet or chamfer rounds or cuts \
             off the edges where the shapes meet.",
         distance: "inside as for the weakest of the shapes, outside a lower bound; with a fillet or chamfer a lower bound",
@@ -25,8 +27,8 @@ pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "difference",
         parameters: &[
-            required("shape"),
-            variadic("others"),
+            SHAPE,
+            variadic("others").of(Kind::Shape),
             optional("fillet", 0.0),
             optional("chamfer", 0.0),
         ],
@@ -51,7 +53,7 @@ pub(super) const COMBINE: &[Function] = &[
     },
     Function {
         name: "complement",
-        parameters: &[required("shape")],
+        parameters: &[SHAPE],
         about: "All points that are not in the shape.",
         distance: "as for the given shape, with inside and outside exchanged",
         make: |args| {
@@ -61,7 +63,7 @@ pub(super) const COMBINE: &[Function] = &[
     },
     Function {
         name: "smooth_union",
-        parameters: &[required("a"), required("b"), required("radius")],
+        parameters: &[required("a").of(Kind::Shape), required("b").of(Kind::Shape), required("radius")],
         about: "The union, blended where the shapes are closer to each other than the radius. Faces and \
             outer edges that both shapes share bulge; union(fillet=) leaves them unchanged.",
         distance: "lower bound",
@@ -69,14 +71,14 @@ pub(super) const COMBINE: &[Function] = &[
     },
     Function {
         name: "smooth_intersection",
-        parameters: &[required("a"), required("b"), required("radius")],
+        parameters: &[required("a").of(Kind::Shape), required("b").of(Kind::Shape), required("radius")],
         about: "The intersection with its edges rounded.",
         distance: "lower bound",
         make: |args| smooth(args, Field::smooth_intersection),
     },
     Function {
         name: "smooth_difference",
-        parameters: &[required("a"), required("b"), required("radius")],
+        parameters: &[required("a").of(Kind::Shape), required("b").of(Kind::Shape), required("radius")],
         about: "The difference with its edges rounded.",
         distance: "lower bound",
         make: |args| smooth(args, Field::smooth_difference),

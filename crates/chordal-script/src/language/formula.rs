@@ -1,5 +1,5 @@
 //! Formulas: expressions in x, y and z, and the operators and functions on them.
-use super::bind::{BoundArgs, Function, required};
+use super::bind::{BoundArgs, Function, FunctionParameter, ParameterKind, required};
 use super::transforms::RADIANS;
 use super::{Arg, CallError, Formula, Solid};
 use chordal::implicit::evaluation::{Binary, Unary};
@@ -10,7 +10,7 @@ use chordal::implicit::{Expr, Field};
 pub(super) const FORMULAS: &[Function] = &[
     Function {
         name: "field",
-        parameters: &[required("formula")],
+        parameters: &[formula("formula")],
         about: "The shape of all points where the formula is negative.",
         distance: "sign only",
         make: |args| {
@@ -48,12 +48,16 @@ pub(super) const FORMULAS: &[Function] = &[
     }),
 ];
 
+const fn formula(name: &'static str) -> FunctionParameter {
+    required(name).of(ParameterKind::Formula)
+}
+
 const fn unary_function(
     name: &'static str,
     about: &'static str,
     make: fn(&BoundArgs) -> Result<Arg, CallError>,
 ) -> Function {
-    const VALUE: &[super::FunctionParameter] = &[required("value")];
+    const VALUE: &[FunctionParameter] = &[formula("value")];
     Function { name, parameters: VALUE, about, distance: "", make }
 }
 
@@ -63,8 +67,8 @@ const fn binary_function(
     about: &'static str,
     make: fn(&BoundArgs) -> Result<Arg, CallError>,
 ) -> Function {
-    const YX: &[super::FunctionParameter] = &[required("y"), required("x")];
-    const AB: &[super::FunctionParameter] = &[required("a"), required("b")];
+    const YX: &[FunctionParameter] = &[formula("y"), formula("x")];
+    const AB: &[FunctionParameter] = &[formula("a"), formula("b")];
     let parameters = if names[0].len() == 1 && names[0].as_bytes()[0] == b'y' { YX } else { AB };
     Function { name, parameters, about, distance: "", make }
 }

@@ -1,5 +1,5 @@
 //! Materials of shapes: colours, and names with metal and roughness.
-use super::bind::{BoundArgs, Function, optional, required};
+use super::bind::{BoundArgs, Function, ParameterKind as Kind, SHAPE, optional, required};
 use super::{Arg, CallError};
 use chordal::implicit::materials::SurfaceMaterial;
 
@@ -9,7 +9,7 @@ const KEPT: &str = "as for the given shape";
 pub(super) const MATERIALS: &[Function] = &[
     Function {
         name: "color",
-        parameters: &[required("shape"), required("color")],
+        parameters: &[SHAPE, required("color").of(Kind::Color)],
         about: "The shape in a colour: \"#d33\", \"#dd3333\", \"red\", or a list of three or four numbers \
             from 0 to 1, the fourth of which is the opacity. A later colour replaces it.",
         distance: KEPT,
@@ -23,9 +23,9 @@ pub(super) const MATERIALS: &[Function] = &[
     Function {
         name: "material",
         parameters: &[
-            required("shape"),
-            required("name"),
-            required("color"),
+            SHAPE,
+            required("name").of(Kind::Text),
+            required("color").of(Kind::Color),
             optional("metallic", 0.0),
             optional("roughness", 0.5),
         ],

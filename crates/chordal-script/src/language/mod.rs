@@ -16,7 +16,7 @@ use chordal::implicit::{Expr, Field};
 use std::fmt;
 use std::sync::Arc;
 
-pub use bind::{BoundArgs, Function, FunctionParameter, ParameterDefault};
+pub use bind::{BoundArgs, Function, FunctionParameter, ParameterDefault, ParameterKind};
 pub(crate) use bind::{defaulting, optional, required, usage, variadic};
 pub use formula::operate;
 pub use script_path::ScriptPath;

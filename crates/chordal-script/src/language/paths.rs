@@ -1,5 +1,8 @@
 //! Paths: 2D and 3D curves, from which shapes are built.
-use super::bind::{BoundArgs, Function, ParameterDefault, counted_result, defaulting, optional, required};
+use super::bind::{
+    BoundArgs, Function, ParameterDefault, ParameterKind as Kind, counted_result, defaulting, optional,
+    required,
+};
 use super::{Arg, CallError, ScriptPath};
 use chordal::budget::{Bounded, Failure};
 use chordal::convert::splines::{Corners, SplineFit, points_to_spline};
@@ -18,10 +21,10 @@ pub(super) const PATHS: &[Function] = &[
     Function {
         name: "spline",
         parameters: &[
-            required("points"),
-            defaulting("closed", ParameterDefault::False),
-            defaulting("knots", ParameterDefault::Text("centripetal")),
-            defaulting("tangents", NOTHING),
+            required("points").of(Kind::Points),
+            defaulting("closed", ParameterDefault::False).of(Kind::Truth),
+            defaulting("knots", ParameterDefault::Text("centripetal")).of(Kind::Text),
+            defaulting("tangents", NOTHING).of(Kind::Points),
         ],
         about: "A smooth path through points of two or three numbers. It consists of cubics and is C2 with \
             respect to its knots, which are \"centripetal\", \"chordal\" or \"uniform\". Without tangents \
@@ -31,7 +34,7 @@ pub(super) const PATHS: &[Function] = &[
     },
     Function {
         name: "bezier",
-        parameters: &[required("control")],
+        parameters: &[required("control").of(Kind::Points)],
         about: "A chain of cubic Bézier curves: four control points, and three more for each further \
             curve.",
         distance: "",
@@ -40,10 +43,10 @@ pub(super) const PATHS: &[Function] = &[
     Function {
         name: "nurbs",
         parameters: &[
-            required("control"),
+            required("control").of(Kind::Points),
             optional("degree", 3.0),
-            defaulting("weights", NOTHING),
-            defaulting("knots", NOTHING),
+            defaulting("weights", NOTHING).of(Kind::Numbers),
+            defaulting("knots", NOTHING).of(Kind::Numbers),
         ],
         about: "A rational B-spline with these control points. It starts at the first and ends at the last \
             of them, unless knots are given. The weights are 1 by default.",
@@ -56,7 +59,7 @@ pub(super) const PATHS: &[Function] = &[
             required("radius"),
             optional("start", 0.0),
             optional("degrees", 360.0),
-            defaulting("center", NOTHING),
+            defaulting("center", NOTHING).of(Kind::Vector),
         ],
         about: "A circular arc in the plane, counter-clockwise from a start angle over an angle, both in \
             degrees; by default a full circle.",
@@ -66,9 +69,9 @@ pub(super) const PATHS: &[Function] = &[
     Function {
         name: "fit",
         parameters: &[
-            required("points"),
+            required("points").of(Kind::Points),
             required("tolerance"),
-            defaulting("closed", ParameterDefault::False),
+            defaulting("closed", ParameterDefault::False).of(Kind::Truth),
             optional("corners", 30.0),
         ],
         about: "A path of few cubics within the tolerance of every one of many points, with corners where \

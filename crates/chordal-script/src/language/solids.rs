@@ -1,5 +1,7 @@
 //! Primitive solids and 2D shapes.
-use super::bind::{BoundArgs, Function, ParameterDefault, defaulting, optional, required};
+use super::bind::{
+    BoundArgs, Function, ParameterDefault, ParameterKind as Kind, defaulting, optional, required,
+};
 use super::{Arg, CallError, paths, sweep};
 use chordal::implicit::{Field, shapes};
 
@@ -50,7 +52,7 @@ pub(super) const SOLIDS: &[Function] = &[
     },
     Function {
         name: "capsule",
-        parameters: &[required("a"), required("b"), required("radius")],
+        parameters: &[required("a").of(Kind::Vector), required("b").of(Kind::Vector), required("radius")],
         about: "All points closer than the radius to the segment from a to b.",
         distance: EXACT,
         make: |args| args.shape_result(shapes::capsule(args.point(0)?, args.point(1)?, args.number(2)?), &[]),
@@ -94,14 +96,19 @@ pub(super) const SOLIDS: &[Function] = &[
     },
     Function {
         name: "plane",
-        parameters: &[required("normal"), optional("offset", 0.0)],
+        parameters: &[required("normal").of(Kind::Vector), optional("offset", 0.0)],
         about: "The half-space below a plane, which is at this offset from the origin along its normal.",
         distance: EXACT,
         make: |args| args.shape_result(shapes::plane(args.point(0)?, args.number(1)?), &[]),
     },
     Function {
         name: "triangle",
-        parameters: &[required("a"), required("b"), required("c"), required("thickness")],
+        parameters: &[
+            required("a").of(Kind::Vector),
+            required("b").of(Kind::Vector),
+            required("c").of(Kind::Vector),
+            required("thickness"),
+        ],
         about: "All points closer than half the thickness to a triangle in space.",
         distance: EXACT,
         make: |args| {
@@ -113,7 +120,7 @@ pub(super) const SOLIDS: &[Function] = &[
     },
     Function {
         name: "hull",
-        parameters: &[required("points"), optional("radius", 0.0)],
+        parameters: &[required("points").of(Kind::PointsOrShapes), optional("radius", 0.0)],
         about: "The convex hull of points, or of balls of this radius around them. Also the hull of a list \
             of shapes that are such hulls themselves: boxes, prisms, extruded polygons, balls, capsules.",
         distance: EXACT,
@@ -122,8 +129,8 @@ pub(super) const SOLIDS: &[Function] = &[
     Function {
         name: "sweep",
         parameters: &[
-            required("path"),
-            required("profile"),
+            required("path").of(Kind::Path),
+            required("profile").of(Kind::ShapeOrNumber),
             defaulting("tolerance", ParameterDefault::Nothing),
         ],
         about: "If the profile is a radius, a tube: all points closer than the radius to a path, or to the \
@@ -135,7 +142,7 @@ pub(super) const SOLIDS: &[Function] = &[
     },
     Function {
         name: "thread",
-        parameters: &[required("name"), required("height"), optional("clearance", 0.0)],
+        parameters: &[required("name").of(Kind::Text), required("height"), optional("clearance", 0.0)],
         about: "A metric thread along the z axis, named as in \"M6\" (coarse) or \"M6x0.75\". Its sides \
             are moved inward by the clearance; use a negative one for the hole of a nut.",
         distance: "sign only",
@@ -207,14 +214,14 @@ pub(super) const FLAT: &[Function] = &[
     },
     Function {
         name: "segment",
-        parameters: &[required("a"), required("b"), required("radius")],
+        parameters: &[required("a").of(Kind::Vector), required("b").of(Kind::Vector), required("radius")],
         about: "All points closer than the radius to the segment from a to b.",
         distance: EXACT,
         make: |args| args.shape_result(shapes::segment(args.point(0)?, args.point(1)?, args.number(2)?), &[]),
     },
     Function {
         name: "polygon",
-        parameters: &[required("points"), defaulting("tolerance", ParameterDefault::Nothing)],
+        parameters: &[required("points").of(Kind::Path), defaulting("tolerance", ParameterDefault::Nothing)],
         about: "The polygon with these corners, each of two numbers. Or the area that a 2D path encloses; \
             the path is replaced by a polygon within the tolerance, by default 1/4096 of the diagonal of \
             its box.",
@@ -231,7 +238,7 @@ pub(super) const FLAT: &[Function] = &[
     },
     Function {
         name: "planar_hull",
-        parameters: &[required("points")],
+        parameters: &[required("points").of(Kind::Points)],
         about: "The convex hull of 2D points.",
         distance: EXACT,
         make: |args| args.shape_result(shapes::planar_hull(&args.points(0)?), &[]),

@@ -1,5 +1,5 @@
 //! Transforms: placing shapes, and operations on a single shape.
-use super::bind::{BoundArgs, Function, counted_result, optional, required};
+use super::bind::{BoundArgs, Function, ParameterKind as Kind, SHAPE, counted_result, optional, required};
 use super::{Arg, CallError, Solid};
 use chordal::Tolerance;
 use chordal::budget::Failure;
@@ -15,56 +15,56 @@ const BOUND: &str = "lower bound";
 pub(super) const PLACE: &[Function] = &[
     Function {
         name: "move",
-        parameters: &[required("shape"), required("x"), required("y"), optional("z", 0.0)],
+        parameters: &[SHAPE, required("x"), required("y"), optional("z", 0.0)],
         about: "The shape moved by the vector (x, y, z).",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.moved(args.numbers(1)?))),
     },
     Function {
         name: "rotate_x",
-        parameters: &[required("shape"), required("degrees")],
+        parameters: &[SHAPE, required("degrees")],
         about: "The shape rotated around the x axis, counter-clockwise as seen from its positive end.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg([1.0, 0.0, 0.0], args.number(1)?))),
     },
     Function {
         name: "rotate_y",
-        parameters: &[required("shape"), required("degrees")],
+        parameters: &[SHAPE, required("degrees")],
         about: "The shape rotated around the y axis.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg([0.0, 1.0, 0.0], args.number(1)?))),
     },
     Function {
         name: "rotate_z",
-        parameters: &[required("shape"), required("degrees")],
+        parameters: &[SHAPE, required("degrees")],
         about: "The shape rotated around the z axis; also for 2D shapes.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg([0.0, 0.0, 1.0], args.number(1)?))),
     },
     Function {
         name: "rotate",
-        parameters: &[required("shape"), required("axis"), required("degrees")],
+        parameters: &[SHAPE, required("axis").of(Kind::Vector), required("degrees")],
         about: "The shape rotated around an axis through the origin, given as a vector of three numbers.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.rotated_deg(args.point(1)?, args.number(2)?))),
     },
     Function {
         name: "scale",
-        parameters: &[required("shape"), required("factor")],
+        parameters: &[SHAPE, required("factor")],
         about: "The shape scaled about the origin.",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.scaled([args.number(1)?; 3]))),
     },
     Function {
         name: "stretch",
-        parameters: &[required("shape"), required("x"), required("y"), optional("z", 1.0)],
+        parameters: &[SHAPE, required("x"), required("y"), optional("z", 1.0)],
         about: "The shape scaled by a separate factor along each axis.",
         distance: BOUND,
         make: |args| apply_step(args, |args, field| Ok(field.scaled(args.numbers(1)?))),
     },
     Function {
         name: "mirror",
-        parameters: &[required("shape"), required("x"), required("y"), optional("z", 0.0)],
+        parameters: &[SHAPE, required("x"), required("y"), optional("z", 0.0)],
         about: "The mirror image of the shape in the plane through the origin with the normal (x, y, z).",
         distance: KEPT,
         make: |args| apply_step(args, |args, field| Ok(field.mirrored(args.numbers(1)?))),
@@ -72,7 +72,7 @@ pub(super) const PLACE: &[Function] = &[
     Function {
         name: "repeat",
         parameters: &[
-            required("shape"),
+            SHAPE,
             optional("x", 0.0),
             optional("y", 0.0),
             optional("z", 0.0),
@@ -87,13 +87,7 @@ pub(super) const PLACE: &[Function] = &[
     },
     Function {
         name: "linear",
-        parameters: &[
-            required("shape"),
-            required("count"),
-            required("x"),
-            optional("y", 0.0),
-            optional("z", 0.0),
-        ],
+        parameters: &[SHAPE, required("count"), required("x"), optional("y", 0.0), optional("z", 0.0)],
         about: "The given number of copies of the shape in a row, each moved by the vector (x, y, z) from \
             the one before.",
         distance: COPIES,
@@ -105,7 +99,7 @@ pub(super) const PLACE: &[Function] = &[
     },
     Function {
         name: "polar",
-        parameters: &[required("shape"), required("count"), optional("degrees", 360.0)],
+        parameters: &[SHAPE, required("count"), optional("degrees", 360.0)],
         about: "The given number of copies of the shape around the z axis, spaced evenly over a full turn, \
             or from the first to the last over another angle.",
         distance: COPIES,
@@ -122,7 +116,7 @@ pub(super) const PLACE: &[Function] = &[
     },
     Function {
         name: "symmetric",
-        parameters: &[required("shape"), required("x"), required("y"), optional("z", 0.0)],
+        parameters: &[SHAPE, required("x"), required("y"), optional("z", 0.0)],
         about: "The shape and its mirror image in the plane through the origin with the normal (x, y, z).",
         distance: COPIES,
         make: |args| {
@@ -157,7 +151,7 @@ fn copies(
 pub(super) const CHANGE: &[Function] = &[
     Function {
         name: "offset",
-        parameters: &[required("shape"), required("by")],
+        parameters: &[SHAPE, required("by")],
         about: "The shape grown by a distance, or shrunk by a negative one. Its value must be an exact \
             distance or a lower bound on the side that the surface moves to.",
         distance: "exact distance on the side that the surface moves to, if it was exact there; else a lower bound",
@@ -165,7 +159,7 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "minkowski",
-        parameters: &[required("shape"), required("radius")],
+        parameters: &[SHAPE, required("radius")],
         about: "The Minkowski sum with a ball: all points closer than the radius to the shape. Outside, \
             the shape's value must be the exact distance.",
         distance: "exact distance outside, lower bound inside",
@@ -186,7 +180,7 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "shell",
-        parameters: &[required("shape"), required("thickness")],
+        parameters: &[SHAPE, required("thickness")],
         about: "A wall along the surface, with half of its thickness on each side. The shape's value must \
             be an exact distance or a lower bound on both sides.",
         distance: "exact distance outside if it was exact on both sides; otherwise a lower bound",
@@ -194,7 +188,7 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "redistance",
-        parameters: &[required("shape"), required("within")],
+        parameters: &[SHAPE, required("within")],
         about: "The shape with its value replaced by the exact distance to triangles, which approximate \
             its surface within this length.",
         distance: "exact distance to the triangles",
@@ -218,12 +212,7 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "extrude",
-        parameters: &[
-            required("shape"),
-            required("height"),
-            optional("bevel", 0.0),
-            optional("rounded", 0.0),
-        ],
+        parameters: &[SHAPE, required("height"), optional("bevel", 0.0), optional("rounded", 0.0)],
         about: "A 2D shape extruded to a solid of this height, half above and half below z = 0. A bevel \
             cuts off the edges of both ends at 45 degrees, to this width and height; rounded replaces them \
             by quarter circles of this radius. Both take the depth below the outline from the shape's \
@@ -243,14 +232,14 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "section",
-        parameters: &[required("shape"), optional("z", 0.0)],
+        parameters: &[SHAPE, optional("z", 0.0)],
         about: "The cross-section of a solid at the height z, as a 2D shape.",
         distance: BOUND,
         make: |args| apply_step(args, |args, field| Ok(field.section(args.number(1)?))),
     },
     Function {
         name: "taper",
-        parameters: &[required("shape"), required("factor"), required("height")],
+        parameters: &[SHAPE, required("factor"), required("height")],
         about: "A solid of this height, half above and half below z = 0, whose cross-section is the shape \
             scaled from 1 at the bottom to the factor at the top.",
         distance: "lower bound; sign only if the shape is unbounded or its value is only a sign",
@@ -258,7 +247,7 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "loft",
-        parameters: &[required("shapes"), required("height")],
+        parameters: &[required("shapes").of(Kind::Shapes), required("height")],
         about: "A solid of this height, half above and half below z = 0, which blends from the first of a \
             list of 2D shapes to the last. The shapes in between attract it, as control points attract a \
             Bézier curve.",
@@ -271,28 +260,28 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "revolve",
-        parameters: &[required("shape")],
+        parameters: &[SHAPE],
         about: "A 2D shape revolved around its y axis, which becomes the z axis.",
         distance: "as for the given shape, if it does not touch the axis",
         make: |args| apply_step(args, |_, field| Ok(Ok(field.revolved()))),
     },
     Function {
         name: "twist",
-        parameters: &[required("shape"), required("degrees")],
+        parameters: &[SHAPE, required("degrees")],
         about: "The shape rotated around the z axis by this angle per unit of height.",
         distance: "lower bound if the shape is bounded around the z axis, else sign only",
         make: |args| apply_step(args, |args, field| Ok(field.twisted(args.number(1)? * RADIANS))),
     },
     Function {
         name: "bend",
-        parameters: &[required("shape"), required("degrees")],
+        parameters: &[SHAPE, required("degrees")],
         about: "The shape rotated around the z axis by this angle per unit along x.",
         distance: "lower bound if the shape is bounded around the z axis, else sign only",
         make: |args| apply_step(args, |args, field| Ok(field.bent(args.number(1)? * RADIANS))),
     },
     Function {
         name: "displace",
-        parameters: &[required("shape"), required("by"), required("amplitude")],
+        parameters: &[SHAPE, required("by").of(Kind::Formula), required("amplitude")],
         about: "The shape with a formula added to its value; the amplitude is an upper bound of the \
             formula's absolute value.",
         distance: "sign only",
