@@ -374,6 +374,8 @@ impl<'a> IsosurfaceProof<'a> {
         let beside = |c: usize, behind: bool| {
             let mut there = [at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)];
             there[axis] =
+                // Beyond the lattice the last plane is repeated. Its difference is 0, so such a row proves
+                // nothing.
                 if behind { (at[axis] + 2).min(self.size[axis] - 1) } else { at[axis].saturating_sub(1) };
             self.sample(there)
         };
@@ -427,6 +429,7 @@ impl<'a> CellBatch<'a> {
         for (lane, at) in self.at.iter().enumerate() {
             // The axis with the largest slope of its slowest edge; preferably an axis with three cells.
             let mut best = (false, 0.0);
+            // An axis with three cells in a row comes first, whatever its slope.
             for axis in 0..3 {
                 let slope = slowest[axis][lane];
                 let has_row = at[axis] > 0 && at[axis] + 2 < self.proof.size[axis];

@@ -97,6 +97,8 @@ fn loops(signs: u8) -> Vec<Vec<u8>> {
     for face in FACES {
         let inside = |i: usize| signs >> face[i % 4] & 1 == 1;
         let edge = |i: usize| edge_between(face[i % 4], face[(i + 1) % 4]);
+        // Each run of inside corners gives one segment: from the edge behind its last corner to the edge
+        // before its first one.
         for out in (0..4).filter(|&i| inside(i) && !inside(i + 1)) {
             // Back along the run of inside corners to its start.
             let run = (1..4).find(|back| !inside(out + 4 - back)).unwrap_or(1);

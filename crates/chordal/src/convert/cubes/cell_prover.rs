@@ -128,6 +128,7 @@ impl CellProver<'_> {
     /// The cell of a point in index coordinates, and the point's coordinates in it.
     fn locate(&self, p: [f64; 3]) -> ([usize; 3], [f64; 3]) {
         let size = self.source.size();
+        // The last sample of a row is in the last cell.
         let cell = [0, 1, 2].map(|k| (p[k] as usize).min(size[k] - 2));
         (cell, [0, 1, 2].map(|k| p[k] - cell[k] as f64))
     }
@@ -139,6 +140,7 @@ impl CellProver<'_> {
         for k in 0..3 {
             let ends = [p[k] < 0.0, p[k] > (size[k] - 1) as f64];
             for end in (0..2).filter(|end| ends[*end]) {
+                // Nothing is known beyond an open border.
                 if self.rule.border[k][end] == Border::Open {
                     return None;
                 }
@@ -270,6 +272,7 @@ impl CellProver<'_> {
     /// proved, otherwise the best bound so far, and never more than the diagonal.
     pub fn cell_distance(&self, cell: [usize; 3], target: f64) -> f64 {
         let triangles = self.triangles(cell);
+        // The rounding of points, which is added again below.
         let target = sub_down(target, mul_up(4.0, self.rounding));
         let surface_to_mesh = self.surface_to_mesh(cell, &triangles, target);
         // Derived: each point of a triangle is within its longest side over √3 of a corner (Jung), and corners
@@ -306,6 +309,7 @@ impl CellProver<'_> {
             let high = [0, 1, 2].map(|k| if flat == Some(k) { low[k] } else { low[k] + side });
             let values = corners.over(low, high);
             let has_inside = !values.iter().all(|g| *g > corners.off);
+            // Beyond a capped border all points are outside.
             let has_outside = flat.is_some() || !values.iter().all(|g| *g < -corners.off);
             if !(has_inside && has_outside) {
                 continue;
@@ -319,6 +323,8 @@ impl CellProver<'_> {
                 lesser(far, least)
             };
             let mut far = own.iter().map(|piece| &piece.space).fold(f64::INFINITY, nearest);
+            // The triangles of 27 cells are made only if those of the cell itself are too far from a part of
+            // it.
             if add_up(far, half) > target && side <= 0.5 {
                 far = around.get_or_insert_with(|| self.neighbour_triangles(cell)).iter().fold(far, nearest);
             }
@@ -389,6 +395,8 @@ impl CellProver<'_> {
     fn distance_within(&self, cell: [usize; 3], from: [f64; 3], reach: f64) -> Option<f64> {
         let here = self.sure_side(from);
         let mut most = 0.0;
+        // If the side of the point itself is uncertain, both sides have to be near: one of the two differs
+        // from it.
         for inside in [true, false].into_iter().filter(|inside| here != Some(*inside)) {
             let far = self.distance_to_side(cell, from, inside, reach)?;
             most = greater(far, most);
@@ -482,6 +490,7 @@ impl CellProver<'_> {
             }
             let around = around.get_or_insert_with(|| self.neighbour_triangles(cell));
             let p = self.point(at);
+            // Triangles of more distant cells are at least that far away.
             let far = around.iter().map(|t| triangle_at_least(p, *t)).fold(self.narrowest(), least);
             let Some(apart) = (far > known).then(|| self.bracket(cell, at)).flatten() else { continue };
             let far = sub_down(far, add_up(apart, mul_up(4.0, self.rounding)));

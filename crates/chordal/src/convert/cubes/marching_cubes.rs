@@ -106,6 +106,7 @@ impl MarchingPlan {
         let triangles = cap_triangles + slabs.iter().map(|slab| slab.triangles).sum::<u64>();
         let mut next = 0_u32;
         let mut starts = Vec::with_capacity(size[1] * size[2]);
+        // More vertices would overflow the numbers; they are refused below.
         if vertices < u64::from(u32::MAX) {
             for counts in slabs.iter().flat_map(|slab| &slab.rows) {
                 starts.push(counts.map(|n| {
@@ -374,6 +375,7 @@ fn write_faces(plan: &MarchingPlan, slab: &LatticeSlab, cells: &[CubeCase; 256],
         let (j, k) = (row % (ny - 1), slab.planes[0] + row / (ny - 1));
         let of = |j: usize, k: usize| plan.starts[j + ny * k];
         let [a, b, c, d] = [of(j, k), of(j + 1, k), of(j, k + 1), of(j + 1, k + 1)];
+        // The edges at x and at x + 1 are in the same row of samples: `ahead` keeps their numbers apart.
         let mut next = [a[0], b[0], c[0], d[0], a[1], a[1], c[1], c[1], a[2], a[2], b[2], b[2]];
         for signs in cases.by_ref().take(*count as usize) {
             let case = &cells[usize::from(*signs)];
@@ -383,6 +385,7 @@ fn write_faces(plan: &MarchingPlan, slab: &LatticeSlab, cells: &[CubeCase; 256],
                 next[edge] += case.grows[edge];
             }
             for (triangle, out) in case.corners[..usize::from(case.triangles)].iter().zip(faces.by_ref()) {
+                // The mask changes no number; the compiler needs no bounds check with it.
                 *out = triangle.map(|edge| number[usize::from(edge & 15)]);
             }
         }

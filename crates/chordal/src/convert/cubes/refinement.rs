@@ -195,6 +195,7 @@ impl OctreeRefinement<'_> {
                 return None;
             }
             let triangles = self.triangles();
+            // More triangles than were expected from halving: back to the state before it.
             if !self.allows(triangles)
                 && let Some((halved, leaves)) = before.take()
             {

@@ -61,6 +61,7 @@ impl SignBits {
     pub fn vertices(&self, kind: usize, [j, k]: [usize; 2], word: usize) -> u64 {
         let row = self.row(j, k);
         match kind {
+            // The last sample of a row has no edge ahead.
             0 => (row[word] ^ shifted(row, word)) & self.cells(word),
             1 if j + 1 < self.size[1] => row[word] ^ self.row(j + 1, k)[word],
             2 if k + 1 < self.size[2] => row[word] ^ self.row(j, k + 1)[word],

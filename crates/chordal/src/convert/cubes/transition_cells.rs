@@ -162,6 +162,7 @@ impl ValuedSquare {
         let (u, v) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
         let [a, b, c, d] = self.values;
         let (ab, cd, ac, bd) = (mean(a, b), mean(c, d), mean(a, c), mean(b, d));
+        // The mean of means is rounded, so the middle depends on the order.
         let middle = if u < v { mean(ab, cd) } else { mean(ac, bd) };
         let values = [[a, ab, ac, middle], [ab, b, middle, bd], [ac, middle, c, cd], [middle, bd, cd, d]];
         std::array::from_fn(|part| {
@@ -364,10 +365,12 @@ impl OctreeSurface<'_> {
         each: &mut dyn FnMut(OctreeVertex, OctreeVertex),
     ) {
         let inside = square.values.map(|value| self.rule.is_inside(value));
+        // Values of parts are means of these, so no part has a segment either.
         if inside == [false; 4] || inside == [true; 4] {
             return;
         }
         let mut beyond = square.low.map(i64::from);
+        // At an upper end, `low` is already the index of the cell behind the square.
         beyond[square.axis] -= i64::from(end == 0);
         if self.halved.is_halved(square.level, beyond) {
             square.parts().into_iter().for_each(|part| self.for_each_segment(part, end, each));

@@ -160,6 +160,9 @@ impl LinearCell<'_> {
             }
             let mut pieces =
                 vec![ArrangementFace { sides: self.section(i), negative: SignVector::default() }];
+            // Every other live plane cuts, whether or not membership depends on it here. Leaving out planes
+            // that do not matter was tried: neighbours disagreed on which these are, which left T-junctions
+            // on their common facet.
             for j in (0..self.live.len() as u32).filter(|j| *j != i) {
                 let mut parts = Vec::with_capacity(pieces.len() + 1);
                 pieces.into_iter().for_each(|piece| self.cut(i, j, piece, &mut parts));
@@ -173,11 +176,14 @@ impl LinearCell<'_> {
     fn membership_table(&self, is_negative: impl Fn(u32) -> bool) -> Option<MembershipTable> {
         let live_index = |p: u32| self.live.binary_search_by_key(&p, |live| live.primitive).ok();
         if self.live.len() <= TABLE {
+            // Bit `k` is the sign of live primitive `k`, as in `SignVector`, whose first word is thus an
+            // index into the table.
             let inside = |sides: u64| {
                 self.tree.contains(|p| live_index(p).map_or_else(|| is_negative(p), |k| sides >> k & 1 == 1))
             };
             let n = 1 << self.live.len();
             let table = (0..n).fold(0, |table, sides| table | u64::from(inside(sides)) << sides);
+            // For six primitives the table fills the word, and a shift by 64 bits would overflow.
             let full = if n == 64 { u64::MAX } else { (1 << n) - 1 };
             return (table != 0 && table != full).then_some(MembershipTable::Table(table));
         }
@@ -199,6 +205,7 @@ impl LinearCell<'_> {
                 let live_index = |p: u32| self.live.binary_search_by_key(&p, |live| live.primitive);
                 let contains =
                     || tree.contains(|p| signs.get(live_index(p).expect("only live ones are left")));
+                // The cache has no key for the signs after the first 128.
                 if !signs.rest.is_empty() {
                     return contains();
                 }
@@ -219,6 +226,8 @@ impl LinearCell<'_> {
         let n = piece.sides.len();
         let negative: Vec<bool> =
             (0..n).map(|t| self.is_negative([piece.sides[(t + n - 1) % n], piece.sides[t]], i, j)).collect();
+        // The piece is convex and no corner is on plane j, which is moved by an infinitesimal. So if the
+        // signs at the corners differ, plane j crosses exactly two sides.
         if negative.iter().all(|x| *x == negative[0]) {
             into.push(ArrangementFace {
                 negative: piece.negative.with(j as usize, negative[0]),
@@ -234,6 +243,8 @@ impl LinearCell<'_> {
                 if is_start_kept || is_end_kept {
                     sides.push(piece.sides[t]);
                 }
+                // Plane j takes over where the border leaves the kept part; it is followed by the side on
+                // which the border comes back.
                 if is_start_kept && !is_end_kept {
                     sides.push(ArrangementEdge::Plane(j));
                 }
@@ -254,6 +265,8 @@ impl LinearCell<'_> {
             [ArrangementEdge::Facet(f), ArrangementEdge::Facet(g)] => {
                 let [a, b] = other_corners([f, g]);
                 let pick = |k: u32| [row(k)[a], row(k)[b]];
+                // On edge ab, primitive j has the value (i_a·j_b − i_b·j_a) / (i_a − i_b) where i is 0. Plane
+                // i crosses the edge, so the denominator has the sign of i_a.
                 let sign = perturbed_sign([pick(i), pick(j)], [i, j], [sense(i), sense(j)], sign2);
                 if row(i)[a] < 0 { sign.reverse() } else { sign }
             }
@@ -263,6 +276,8 @@ impl LinearCell<'_> {
                 let pick = |k: u32| corners.map(|c: usize| row(k)[c]);
                 let rows = [pick(i), pick(k), pick(j)];
                 let sign = perturbed_sign(rows, [i, k, j], [i, k, j].map(sense), sign3);
+                // Minors of the rows are the barycentric weights up to a common factor. Weights have the sum
+                // 1, so the factor is the determinant with a row of ones.
                 divided_sign(sign, sign3([rows[0], rows[1], [1; 3]]))
             }
             [ArrangementEdge::Plane(k), ArrangementEdge::Plane(l)] => {
@@ -284,6 +299,7 @@ impl LinearCell<'_> {
     ) {
         let mut kept: [Vec<ArrangementFace>; 2] = Default::default();
         for piece in pieces {
+            // The signs of a piece are those of all other planes; the two sides of its own plane are tried.
             let inside = |is_negative| {
                 self.is_inside(membership, &piece.negative.clone().with(i as usize, is_negative))
             };
@@ -299,6 +315,7 @@ impl LinearCell<'_> {
             for loops in merge_faces(&corners) {
                 for mut ring in loops {
                     ring.retain(|corner| corner.is_visible);
+                    // Sections are counter-clockwise as seen from the positive side, which is solid here.
                     if above == 1 {
                         ring.reverse();
                     }
@@ -322,6 +339,8 @@ impl LinearCell<'_> {
         for (t, corner) in ring.iter().enumerate() {
             into.corners.push(self.key(corner));
             let next = &ring[(t + 1) % ring.len()];
+            // Ends on a facet differ by sheet already. Only two corners of three planes may be common to both
+            // wedges of a crease.
             if corner.planes[2] != NONE && next.planes[2] != NONE {
                 into.corners.extend(self.middle(membership, i, [corner, next], kept));
             }
@@ -373,6 +392,8 @@ impl LinearCell<'_> {
         let matters = |r: usize| (0..1 << planes.len()).any(|o| pattern.at(o) != pattern.at(o ^ 1 << r));
         let is_visible = (0..planes.len()).all(matters);
         let plane = planes.iter().position(|k| *k == i).expect("it is on its own plane");
+        // The octant of the solid beside the piece. On plane i itself, the solid is on the negative side
+        // unless the patch is that of a complement.
         let negative = |k: u32| if k == i { !is_complemented } else { piece.negative.get(k as usize) };
         let solid = planes.iter().enumerate().fold(0, |o, (r, k)| o | usize::from(negative(*k)) << r);
         let sheet = match planes.len() {
@@ -434,7 +455,10 @@ impl LinearCell<'_> {
         }
         let inside =
             |is_negative| self.is_inside(membership, &piece.negative.clone().with(i as usize, is_negative));
+        // The same name as in `sheet`: the sign of the first plane in the solid wedge.
         let first_negative = if p == i { inside(true) } else { piece.negative.get(p as usize) };
+        // Ascending, so that the pieces on both planes, and both directions of the edge, give the same
+        // identity.
         let [p, q, a, b] = [p, q, a.min(b), a.max(b)].map(|k| self.live[k as usize].primitive);
         let mut simplex = self.corners;
         simplex.sort_unstable();
@@ -487,6 +511,13 @@ impl OctantMask {
             least = least.min(number(r, octant));
             // The two half-lines at the rim of the quarter: each on plane t and on one side of plane s. The
             // candidates are the other three quarters there: one on the same plane, two on plane t.
+            // As seen along the half-line:
+            //
+            //        (t, r positive)
+            //               |
+            //    (r, ..) --- --- (r, octant)      the candidates are the other three
+            //               |
+            //        (t, r negative)
             for (s, t) in [((r + 1) % 3, (r + 2) % 3), ((r + 2) % 3, (r + 1) % 3)] {
                 let fixed = octant & 1 << s;
                 let candidates =
@@ -494,6 +525,9 @@ impl OctantMask {
                 let n_boundary = candidates.iter().filter(|(r, octant)| is_boundary(*r, *octant)).count();
                 let solid = if self.at(octant) { octant } else { octant | 1 << r };
                 for (r, octant) in candidates.into_iter().filter(|(r, octant)| is_boundary(*r, *octant)) {
+                    // Membership changes an even number of times around the half-line, so one or three of the
+                    // others are boundary. If three are, two opposite wedges are solid, and the sheet goes on
+                    // with the quarter on t that bounds the same wedge.
                     let is_next = n_boundary == 1 || r == t && (octant == solid || octant | 1 << t == solid);
                     let bit = 1 << number(r, octant);
                     if is_next && visited & bit == 0 {
@@ -557,6 +591,8 @@ fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorn
     for (edge, twin) in edges.iter().zip(&twin) {
         if let Some(twin) = twin {
             let (a, b) = (root(&parents, edge.2 as usize), root(&parents, edges[*twin].2 as usize));
+            // The least piece becomes the root, so that the components are in the order of their first
+            // pieces.
             parents[a.max(b)] = a.min(b);
         }
     }
@@ -603,10 +639,12 @@ const fn sections() -> [[u8; 4]; 16] {
         [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
     let mut table = [[4; 4]; 16];
     let mut k = 0;
+    // Even permutations keep the orientation, so that one case gives the others by renaming corners.
     while k < 4 {
         let [v, a, b, c] = FIRST[k];
         // Corners on va, vb, vc: the side between va and vb is on the facet opposite c.
         table[1 << v] = [c, a, b, 4];
+        // The complement has the same section, as seen from its other side.
         table[15 - (1 << v)] = [b, a, c, 4];
         k += 1;
     }

@@ -76,6 +76,7 @@ impl PrunedTreeCache {
     pub fn intern(&mut self, pruned: Arc<PrunedTree>) -> Arc<PrunedTree> {
         match self.by_fingerprint.entry(pruned.tree.fingerprint()) {
             hash_map::Entry::Occupied(entry) if entry.get().tree == pruned.tree => Arc::clone(entry.get()),
+            // Another tree with the same fingerprint: it is not shared, which only costs memory.
             hash_map::Entry::Occupied(_) => pruned,
             hash_map::Entry::Vacant(entry) => {
                 self.bytes += pruned.bytes();
@@ -155,6 +156,7 @@ pub(super) fn prune(pruned: &Arc<PrunedTree>, sides: &[Membership]) -> Option<Ar
     if sides.iter().all(|side| *side == Membership::Unknown) {
         return (!pruned.is_cancelled()).then(|| Arc::clone(pruned));
     }
+    // Its only primitive is decided, and so is the tree.
     if pruned.primitives.len() == 1 {
         return None;
     }
@@ -288,6 +290,7 @@ impl CellTest<'_> {
             return false;
         }
         let gradients: Vec<GradientBox> = entries.iter().map(|e| e.gradient).collect();
+        // A direction along which all of them grow serves every subset, so pairs and triples need no test.
         if grow_together(&gradients) {
             return true;
         }
@@ -305,6 +308,7 @@ impl CellTest<'_> {
         (0..n).all(|a| {
             (0..a).all(|b| {
                 let (x, y) = (&entries[a], &entries[b]);
+                // In order of cost: truth tables come last.
                 moved[a] + moved[b] <= MOVED * self.sizes.floor
                     || x.at == y.at
                     || self.primitive(x).is_parallel_to(self.primitive(y))
@@ -328,6 +332,7 @@ impl CellTest<'_> {
 
     fn pairs_and_triples_are_resolved(&self, entries: &[ActivePrimitive]) -> bool {
         // Pairs that never meet in the cell, or that do not both matter at one point.
+        // By `a * n + b`, for b < a.
         let n = entries.len();
         let mut apart = vec![false; n * n];
         for a in 0..n {
@@ -346,6 +351,8 @@ impl CellTest<'_> {
                 }
             }
         }
+        // Larger sets need no test: moved by infinitesimals, no four planes of linear functions meet in a
+        // point.
         for a in 0..n {
             for b in (0..a).filter(|b| !apart[a * n + b]) {
                 for c in (0..b).filter(|c| !apart[a * n + c] && !apart[b * n + c]) {
@@ -374,6 +381,8 @@ impl CellTest<'_> {
                 1.0
             }
         };
+        // If the gradients of the plain functions have about the same direction, x − y hardly varies in the
+        // cell; if they are opposite, x + y does.
         let same =
             sign(x) * sign(y) * if dot(x.gradient.middle, y.gradient.middle) > 0.0 { 1.0 } else { -1.0 };
         let scale = self.middle_slope(x) / self.middle_slope(y);
@@ -390,6 +399,7 @@ impl CellTest<'_> {
         if others.len() > MOST_OTHERS {
             return true;
         }
+        // By bit: whether that other primitive is inside.
         (0..1_u32 << others.len()).any(|sides| {
             let inside = |in_x: bool, in_y: bool| {
                 self.pruned.tree.contains(|p| {
@@ -405,6 +415,7 @@ impl CellTest<'_> {
             };
             let [p, q, r, s] =
                 [(false, false), (false, true), (true, false), (true, true)].map(|(a, b)| inside(a, b));
+            // Membership depends on x for some side of y, and on y for some side of x.
             (p != r || q != s) && (p != q || r != s)
         })
     }
@@ -415,11 +426,14 @@ impl CellTest<'_> {
         let without = |v: &[f64; 4], k: usize| -> [f64; 3] {
             std::array::from_fn(|i| v[if i < k { i } else { i + 1 }])
         };
+        // The minors of the 3 × 4 matrix of values, with alternating signs, are the barycentric coordinates
+        // of the common zero up to a common factor.
         let weights: [f64; 4] = std::array::from_fn(|k| {
             let minor = dot(without(&p, k), cross(without(&q, k), without(&r, k)));
             if k % 2 == 0 { minor } else { -minor }
         });
         let sum: f64 = weights.iter().sum();
+        // If the sum is 0, the common zero is at infinity, and some quotient is −∞.
         weights.iter().any(|w| w / sum < OUTSIDE)
     }
 }

@@ -135,6 +135,7 @@ impl<'a> ContactSearch<'a> {
                 }
             }
         }
+        // The sort is stable: equal distances stay in the order of pairs and points.
         starts.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         starts
     }
@@ -145,6 +146,7 @@ impl<'a> ContactSearch<'a> {
             let [a, b] = [self.feet(p, &[at])?[0], self.feet(q, &[at])?[0]];
             let cosine = dot(a.normal, b.normal);
             let square = 1.0 - cosine * cosine;
+            // The step in the plane of both normals whose components along them are minus the two distances.
             let [u, v] = [a.distance - cosine * b.distance, b.distance - cosine * a.distance];
             (square > 1.0 - PARALLEL * PARALLEL)
                 .then(|| std::array::from_fn(|k| at[k] - (u * a.normal[k] + v * b.normal[k]) / square))
@@ -159,6 +161,7 @@ impl<'a> ContactSearch<'a> {
         let most = NEAR * place.size;
         let in_wedge = |of_p: f64, of_q: f64| -> [f64; 3] {
             let direction: [f64; 3] = std::array::from_fn(|k| of_p * a.normal[k] + of_q * b.normal[k]);
+            // Twice as far from the edge as it may be off, so that the points are in the four wedges.
             let scale = 2.0 * most / length(direction);
             std::array::from_fn(|k| at[k] + scale * direction[k])
         };

@@ -62,6 +62,7 @@ impl<'a> FieldGrid<'a> {
             pruned,
             ranges: &ranges,
             values: &values,
+            // `is_resolved` does not use it.
             noise: &vec![0.0; values.len()],
             idle: &[],
             sizes: CellSizes::new(&self.tetrahedra, corners, self.options.floor),

@@ -117,6 +117,7 @@ impl<'a> IntegerValues<'a> {
         let scales: Vec<f64> = largest_values.into_iter().map(scale).collect();
         let to_shifted = |(p, value): (u32, f64)| {
             let shift = shift(p, trial);
+            // `to_integer` makes 0 positive. Where 0 is inside, it is negated before and after.
             match grid.zero[p as usize] {
                 ZeroSide::Outside => to_integer(value, scales[p as usize], shift),
                 ZeroSide::Inside => -to_integer(-value, scales[p as usize], shift),
@@ -147,6 +148,7 @@ fn to_integer(value: f64, scale: f64, shift: i64) -> i64 {
     let floor = if value < 0.0 && floor > -1.0 { -1.0 } else { floor };
     let floor = lesser(floor, MOST);
     let floor = greater(floor, -MOST);
+    // The shift is positive and below the quantum, so it changes no sign, and being odd it makes no value 0.
     ((floor as i64) << SHIFT_BITS) + shift
 }
 
@@ -199,6 +201,7 @@ fn boundary(grid: &FieldGrid, integers: &IntegerValues, cells: &[&GridCell]) -> 
         if live.is_empty() {
             continue;
         }
+        // Primitives that are not live have the same sign at all corners.
         let is_negative = |p: u32| integers.at(corners[0], p) < 0;
         LinearCell { corners, live: &live, tree: &cell.pruned.tree }.boundary(is_negative, &mut patches);
         sizes.resize(patches.corners.len(), grid.tetrahedra.longest(corners));
@@ -232,6 +235,7 @@ struct PatchMerger {
 impl PatchMerger {
     fn push(&mut self, patches: &BoundaryPatches, sizes: &[f64]) {
         let (n_corners, n_loops) = (self.vertices.len() as u32, self.loop_ends.len() as u32);
+        // In the order of the cells, so that numbers do not depend on threads.
         for (key, size) in patches.corners.iter().zip(sizes) {
             let new = self.keys.len() as u32;
             let id = *self.ids.entry(*key).or_insert(new);
@@ -278,6 +282,8 @@ fn position(integers: &IntegerValues, key: &ArrangementVertex) -> [f64; 3] {
             weighted([at(a), at(b)], [1.0 - part, part])
         }
         3 => {
+            // Functions that are equal on the facet have no single zero. Any point of the facet will do then,
+            // since the connectivity does not depend on positions.
             let corners = [a, b, c];
             let weights =
                 common_zero3([p, q].map(|p| corners.map(|v| value(v, p)))).unwrap_or([1.0 / 3.0; 3]);

@@ -307,6 +307,8 @@ impl<'a> FieldGrid<'a> {
                     CellAction::CutBlindly => may_be_cut && n_blind <= MOST_BLIND,
                     CellAction::Done | CellAction::TooSmall => false,
                 };
+                // A cell with a midpoint on one of its edges has to be cut for conformity, whatever it
+                // contains.
                 if is_cut || self.tetrahedra.has_middle(cell.tetrahedron.corners) {
                     cut.push(cell);
                 } else {
@@ -331,6 +333,8 @@ impl<'a> FieldGrid<'a> {
         let mut halves = Vec::with_capacity(2 * cut.len());
         let mut pending = cut;
         while !pending.is_empty() {
+            // Cells are cut at their own refinement edge, which is not always the edge that has the midpoint.
+            // Their halves have it then, and are cut in the next level.
             let mut edges = Vec::new();
             for PendingCell { tetrahedron, pruned } in pending {
                 let (parts, edge) = self.tetrahedra.bisect(&tetrahedron);
@@ -342,6 +346,8 @@ impl<'a> FieldGrid<'a> {
                     edges.push(edge);
                 }
             }
+            // Only the first of the cells around an edge reports it, so that its midpoint gets one entry in
+            // the values.
             // Cells of the grid that have one of the edges.
             pending = Vec::new();
             for [a, b] in edges {
@@ -368,6 +374,7 @@ impl<'a> FieldGrid<'a> {
         let level = self.query_ranges(evaluator, &pending)?;
         let numbers: Vec<u32> = (0..pending.len() as u32).collect();
         let chunks: Vec<&[u32]> = numbers.chunks(CELLS_A_TASK).collect();
+        // Ranges over boxes come first: values at corners are evaluated only in cells that these leave open.
         let sift = |part: &[u32]| {
             let mut sides = Vec::new();
             let sift = |n: &u32| {
@@ -430,6 +437,7 @@ impl<'a> FieldGrid<'a> {
             let is_empty = !is_requested && self.is_decided_by_signs(pruned, values, sides, &space);
             return Some((rest, if is_empty { CellAction::Done } else { CellAction::CutAnyway }));
         }
+        // The buffers are by index in the tree's primitives, which has changed if some were pruned.
         if !Arc::ptr_eq(&rest, pruned) {
             self.gather(cell, &rest, buffers);
         }
@@ -485,6 +493,8 @@ impl<'a> FieldGrid<'a> {
                 })
             })
             .collect();
+        // A tree's list is in order already. It is merged and sorted only if cells of one box have different
+        // trees.
         // The first tree of each box, and the primitives of the other trees in it.
         let mut first: Vec<Option<&Arc<PrunedTree>>> = vec![None; boxes.len()];
         let mut others: Vec<(u32, u32)> = Vec::new();
@@ -542,6 +552,7 @@ impl<'a> FieldGrid<'a> {
             pairs.iter().map(|(v, p)| (*p, self.tetrahedra.position(*v))).collect();
         let points: Vec<(u32, Box3)> =
             queries.iter().map(|(p, at)| (*p, Box3 { min: *at, max: *at })).collect();
+        // The range over a single point is as wide as its rounding errors.
         let noise: Vec<f64> = evaluator.ranges(&points)?.iter().map(width).collect();
         if self.has_leaves.contains(&true) {
             self.values.extend_slopes(&pairs, &evaluator.duals(&queries)?, &noise);
@@ -559,6 +570,7 @@ impl PendingLevel {
         let part = start as usize..end as usize;
         let (primitives, ranges) = (&self.primitives[part.clone()], &self.ranges[part]);
         let is_same = primitives.len() == pruned.primitives.len();
+        // The tree's primitives are among those of the box, so lists of equal length are equal.
         let range = move |(k, p): (usize, &u32)| ranges[if is_same { k } else { index_of(primitives, *p) }];
         pruned.primitives.iter().enumerate().map(range)
     }

@@ -74,10 +74,13 @@ pub(super) fn grow_together(boxes: &[GradientBox]) -> bool {
             }
         }
         let growth = dot(x, lowest);
+        // All boxes are beyond the plane across x through `lowest`, so x is such a direction already, nearest
+        // point or not.
         if growth > LEAST * size_sq.sqrt() {
             return true;
         }
         // Moves x to the point nearest to 0 on the segment from x to `lowest`.
+        // The step is not 0, since otherwise the growth would have been |x|².
         let step: [f64; 3] = std::array::from_fn(|k| lowest[k] - x[k]);
         let share = -dot(x, step) / dot(step, step);
         let share = lesser(1.0, share);

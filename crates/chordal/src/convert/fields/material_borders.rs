@@ -103,6 +103,7 @@ pub(super) fn cut_at_borders(
         |state: &FaceState| if let FaceState::Settled(number) = state { Some(*number) } else { None };
     Ok(BorderedMesh {
         materials: cutter.states.iter().map(material).collect(),
+        // New vertices are on edges between vertices of earlier rounds, so their roundings add up.
         moved: ROUNDING * largest * f64::from(cutter.n_moves),
         positions: cutter.positions,
         faces: cutter.faces,
@@ -189,6 +190,7 @@ impl BorderCutter<'_> {
                         long_edges.insert(edge.0, 0.5);
                         FaceState::Open(Rc::new(sides))
                     }
+                    // Too short to be bisected: without cuts, the middle of the face decides.
                     _ => FaceState::Cut(Vec::new()),
                 };
         }
@@ -259,12 +261,15 @@ impl BorderCutter<'_> {
     fn cut(&mut self) -> Result<(), LeafError> {
         let pending =
             |state: &FaceState| if let FaceState::Cut(list) = state { list.clone() } else { Vec::new() };
+        // In ascending order. Faces inherit the list of the face that they were cut from, so each function
+        // also cuts the parts that the functions before it have made.
         let functions: BTreeSet<u32> = self.states.iter().flat_map(pending).collect();
         for p in functions {
             let mut edges: BTreeMap<EdgeKey, f64> = BTreeMap::new();
             for (face, state) in self.states.iter().enumerate() {
                 if matches!(state, FaceState::Cut(list) if list.contains(&p)) {
                     let [a, b, c] = self.faces[face];
+                    // Only the edges are used, not the shares.
                     edges.extend([key(a, b), key(b, c), key(c, a)].map(|edge| (edge, 0.5)));
                 }
             }
@@ -314,6 +319,8 @@ impl BorderCutter<'_> {
                 *last = end;
             }
         }
+        // A vertex near the border on one of its edges counts as on it for all of them. Otherwise the cut
+        // would pass beside the vertex, through a sliver.
         let mut near_vertices: BTreeSet<u32> = BTreeSet::new();
         let mut zeros = BTreeMap::new();
         for ((a, b), x, f) in brackets {

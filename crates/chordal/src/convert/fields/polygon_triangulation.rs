@@ -42,6 +42,7 @@ fn bridge_loops(outer: &[u32], inner: &[u32], quality: impl Fn(&[u32]) -> f64) -
     let mut best: Option<(f64, Vec<u32>)> = None;
     for a in 0..outer.len() {
         for b in 0..inner.len() {
+            // Both ends of the bridge occur twice, once for each of its sides.
             let ring: Vec<u32> = outer[..=a]
                 .iter()
                 .chain(&inner[b..])
@@ -96,8 +97,11 @@ impl BridgedPolygon<'_> {
     /// Source: G. Klincsek, *Minimal Triangulations of Polygonal Domains*, 1980.
     fn triangulate_best(&self, into: &mut Vec<[u32; 3]>) -> f64 {
         let n = self.ring.len();
+        // Between neighbours there is no triangle, and thus no bad one. Entry a·n + c is for the corners from
+        // a to c.
         let mut worst = vec![f64::INFINITY; n * n];
         let mut apex = vec![0_usize; n * n];
+        // By ascending gaps, so that both parts beside a triangle are known.
         for gap in 2..n {
             for a in 0..n - gap {
                 let c = a + gap;

@@ -131,6 +131,7 @@ impl SampledSigns {
         let [nx, ny, _] = self.n_points.map(|n| n + 1);
         let up_to = |x: usize, y: usize, z: usize| before[x + nx * (y + ny * z)] as usize;
         let in_columns = |z: usize| {
+            // Sums before differences, since counts are unsigned.
             up_to(to[0], to[1], z) + up_to(from[0], from[1], z)
                 - up_to(from[0], to[1], z)
                 - up_to(to[0], from[1], z)

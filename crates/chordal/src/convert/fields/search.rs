@@ -250,6 +250,8 @@ impl<'s> FieldMeshSearch<'s> {
         let mut last = best.bound.at_least();
         let mut shorter = length;
         while !self.job.is_finishing() && (!is_met(&best) || best.shape.faces().len() > n_grown) {
+            // A mesh may be good enough but have many more faces than before the splits. Then one finer mesh
+            // is tried, which may need fewer.
             let was_met = is_met(&best);
             shorter *= 0.5;
             if self.mesher.check_precision(shorter).is_err() {
@@ -325,6 +327,7 @@ impl<'s> FieldMeshSearch<'s> {
             self.mesher.improved_surface(evaluator, share * length.get())?;
         let work = improved.work();
         let proof = self.proof_job(work, improved.n_faces());
+        // A closed mesh has about half as many vertices as faces.
         if extent == FieldGridStatus::Exhausted
             || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2)
             || proof.is_over()
@@ -335,6 +338,8 @@ impl<'s> FieldMeshSearch<'s> {
             let evaluator = improved.into_evaluator();
             return Ok(MeshAttempt::Open { unproved, strategy: ProofStrategy::Nothing, evaluator });
         }
+        // The judge takes the field apart itself, so that an error of the mesher cannot hide in the
+        // primitives that it passes on.
         let csg = Csg::from_expr(self.field.sign());
         let mut judge = SandwichProver::new(&csg, &self.field.bounds(), &proof).map_err(leaf_failure)?;
         let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
@@ -432,6 +437,7 @@ impl<'s> FieldMeshSearch<'s> {
             }
             // From far away a prediction is unreliable.
             let guess = tol * greater(0.125, ratio);
+            // If counts grow like 1/tolerance, the middle of two tolerances is the geometric one.
             let middle = (fine * coarse).sqrt();
             let is_between = guess > 1.001 * fine && guess < 0.999 * coarse;
             tol = if is_between || !(middle > 0.0 && middle.is_finite()) { guess } else { middle };

@@ -138,6 +138,7 @@ impl Tetrahedra {
     /// the first.
     pub fn is_positive(&self, corners: [u32; 4]) -> bool {
         let [a, b, c, d] = corners.map(|v| self.coordinates[v as usize]);
+        // Differences are at most 2⁴⁰, so that the sum of six products of three stays below 2¹²³.
         let [p, q, r] = [b, c, d].map(|x| -> [i128; 3] { std::array::from_fn(|k| i128::from(x[k] - a[k])) });
         let minor = |i: usize, j: usize| q[i] * r[j] - q[j] * r[i];
         p[0] * minor(1, 2) + p[1] * minor(2, 0) + p[2] * minor(0, 1) > 0
@@ -172,6 +173,8 @@ impl Tetrahedra {
             self.coordinates.push(std::array::from_fn(|k| (p[k] + q[k]) / 2));
         }
         let tag = if parent.tag > 1 { parent.tag - 1 } else { 3 };
+        // Maubach's rule: one half has the midpoint in place of its last corner; the other one loses the
+        // first corner, and the midpoint follows the last one.
         let (mut lower, mut upper) = (parent.corners, parent.corners);
         lower[last] = middle;
         upper.copy_within(1..=last, 0);

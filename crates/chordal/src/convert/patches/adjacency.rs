@@ -82,6 +82,7 @@ impl PatchAdjacency {
         let mut corner_positions = vec![[0.0; 3]; count];
         let corners: Vec<[u32; 4]> =
             (0..patches.len()).map(|p| std::array::from_fn(|k| number[4 * p + k])).collect();
+        // Corners of one class are equal: they are joined along curves with equal control points.
         for (patch, ids) in patches.iter().zip(&corners) {
             for (side, id) in PatchSide::ALL.into_iter().zip(ids) {
                 corner_positions[*id as usize] = patch.side(side).control[0];
@@ -114,6 +115,7 @@ impl PatchAdjacency {
 pub(crate) fn classify_corners(seams: &[[SideBoundary; 4]]) -> Vec<[PatchCorner; 4]> {
     // The number of a curve's end. Sides run counter-clockwise, so each starts where the one before it ends.
     let end = |seam: SideBoundary, side: PatchSide, starts: bool| match seam {
+        // Even at the start of the curve, odd at its end, where a reversed side starts.
         SideBoundary::Edge { edge, reversed } => Some(2 * edge + u32::from(starts == reversed)),
         SideBoundary::Halves(halves) => {
             // In the order of the parameter; top and left run against it.

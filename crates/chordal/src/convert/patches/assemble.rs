@@ -99,24 +99,28 @@ fn border_normals(
     tiles: &[(PatchTile, PatchTileMesh)],
     normals: &mut [[f64; 3]],
 ) -> Vec<BorderNormal> {
-    let mut found = Vec::new();
+    let mut on_borders = Vec::new();
     for ((tile, done), border) in tiles.iter().zip(borders) {
         for (vertex, &normal) in border.iter().zip(&done.border_normals) {
             match vertex.side {
                 // A pole has a normal only at corners.
                 Some(_) if vertex.pole && normal == [0.0; 3] => {}
-                Some(side) => found.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal }),
+                Some(side) => {
+                    on_borders.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal })
+                }
                 None if normals[vertex.id as usize] == [0.0; 3] => normals[vertex.id as usize] = normal,
                 None => {}
             }
         }
     }
-    let mut found = sort_by_vertex(&found, normals.len(), |found| found.vertex);
+    let mut on_borders = sort_by_vertex(&on_borders, normals.len(), |on_borders| on_borders.vertex);
     // The sorts are stable, so the order of tiles is kept within a vertex.
-    found.chunk_by_mut(|a, b| a.vertex == b.vertex).for_each(|run| run.sort_by_key(|s| (s.sheet, s.side)));
+    on_borders
+        .chunk_by_mut(|a, b| a.vertex == b.vertex)
+        .for_each(|run| run.sort_by_key(|s| (s.sheet, s.side)));
     // Two tiles that meet on a border both have the vertex.
-    found.dedup_by_key(|s| (s.vertex, s.sheet, s.side));
-    found
+    on_borders.dedup_by_key(|s| (s.vertex, s.sheet, s.side));
+    on_borders
 }
 
 /// The items sorted by vertex, stably: a counting sort, since there are about as many vertices as items.
@@ -173,6 +177,8 @@ impl NormalSplits {
                 if normal == DVec3::ZERO {
                     continue;
                 }
+                // With the first normal of a group, not with its mean, so that a group does not drift along a
+                // series of small steps.
                 let same_group = groups.iter_mut().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL);
                 let target = if let Some(group) = same_group {
                     group.1 += normal;
@@ -202,7 +208,7 @@ impl NormalSplits {
     fn vertex(&self, id: u32, sheet: u32, side: Option<PatchSide>) -> u32 {
         let Some(side) = side.filter(|_| self.is_split[id as usize]) else { return id };
         let key = (id, sheet, side);
-        self.moved.binary_search_by_key(&key, |m| m.0).map_or(id, |found| self.moved[found].1)
+        self.moved.binary_search_by_key(&key, |m| m.0).map_or(id, |index| self.moved[index].1)
     }
 }
 

@@ -117,6 +117,8 @@ impl CellEstimator {
         // Like `max_barycentric_quadratic`, but without branches and less exact, since only an estimate is needed.
         let most = greater(a, b);
         let most = greater(c, most);
+        // x·y + y·z + z·x is the denominator of the closed form, and the maximum is inside the triangle if
+        // all three are positive.
         let (x, y, z) = (b + c - a, c + a - b, a + b - c);
         let inside = (a * b * c) / (x * y + y * z + z * x);
         if x > 0.0 && y > 0.0 && z > 0.0 { inside } else { 0.25 * most }
@@ -158,6 +160,8 @@ impl CellEstimator {
             let column = |j: usize| largest(&[bounds[j], bounds[j + 3], bounds[j + 6]], 0..3);
             let row = |i: usize| largest(&bounds, 3 * i..3 * i + 3);
             let (columns, rows) = ([column(0), column(1), column(2)], [row(0), row(1), row(2)]);
+            // The whole rectangle, then its left, right, lower and upper half; the middle column or row is in
+            // two of them.
             let halves = [
                 greater(columns[0], greater(columns[1], columns[2])),
                 greater(columns[0], columns[1]),

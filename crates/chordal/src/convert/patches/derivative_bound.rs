@@ -205,6 +205,7 @@ impl PatchDerivatives {
         let uvv: [[DVec3; 3]; 2] =
             std::array::from_fn(|i| std::array::from_fn(|j| 3.0 * (vv[i][j + 1] - vv[i][j])));
         let vvv: [DVec3; 4] = std::array::from_fn(|j| vv[1][j] - vv[0][j]);
+        // In Bernstein form no value is longer than the longest control vector.
         let longest = |most: f64, d: DVec3| greater(d.length(), most);
         let uuuv = (0..3).fold(0.0, |most, i| longest(most, 3.0 * (uuu[i + 1] - uuu[i])));
         let uuvv = (0..2).fold(0.0, |most, i| {

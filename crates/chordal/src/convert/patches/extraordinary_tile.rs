@@ -227,6 +227,7 @@ impl<'a> RegionHeightField<'a> {
             .map(|[a, b, c]| (b - a).cross(c - a))
             .collect();
         let axis = areas.iter().fold(DVec3::ZERO, |sum, area| sum + *area).try_normalize()?;
+        // An axis that is not nearly parallel: the sine of the angle between is at least 0.6.
         let along = if axis.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
         let first = axis.cross(along).try_normalize()?;
         let frame = [first, axis.cross(first)];
@@ -251,6 +252,7 @@ impl<'a> RegionHeightField<'a> {
                 tilt: TILT * longest / size,
             });
         }
+        // A fan has one vertex in its middle, behind those of the border.
         let n_border = knots.len() - usize::from(triangles.len() > 2);
         let graph = Self {
             region: extraordinary,
@@ -264,6 +266,7 @@ impl<'a> RegionHeightField<'a> {
 
     /// Whether the border winds around `middle` once, given that it turns left everywhere as seen from there.
     fn winds_once(&self, middle: DVec2) -> bool {
+        // As it turns left everywhere, it comes up through the horizontal line once in each turn.
         let is_below = |k: usize| (self.border[k % self.border.len()] - middle).y < 0.0;
         (0..self.border.len()).filter(|k| is_below(*k) && !is_below(k + 1)).count() == 1
     }
@@ -300,6 +303,7 @@ impl<'a> RegionHeightField<'a> {
         let by_plane = beside + aside * secant;
         let by_slope = beside * (1.0 + (secant * secant - 1.0).sqrt());
         let border = if by_slope < by_plane && self.is_convex() { by_slope } else { by_plane };
+        // The interior can only make it larger.
         if border > proof.tolerance {
             return Some(border + tilt);
         }
@@ -448,6 +452,7 @@ impl<'a> RegionHeightField<'a> {
             let mut most = 0.0_f64;
             for point in &local {
                 most = most.max(distance_up(*point, &face.corners));
+                // No better than the best triangle so far.
                 if most >= least {
                     return least;
                 }
@@ -469,6 +474,7 @@ impl<'a> RegionHeightField<'a> {
             let (a, b) = (self.border[k], self.border[(k + 1) % n]);
             may_overlap([a, b, b], low, high)
         };
+        // A box that meets no edge of the border is covered as a whole or not at all: its middle decides.
         let middle = 0.5 * (low + high);
         !(0..n).any(meets) && self.faces.iter().any(|face| may_overlap(face.projected, middle, middle))
     }

@@ -152,6 +152,8 @@ impl<'a, 's> PatchMesher<'a, 's> {
                 );
                 return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
+            // Edges are compared only once all tiles have met their tolerance, since tiles to be built again
+            // have no triangles.
             if !missed && !self.separate_edges(&mut planned, &mut done) {
                 let tiles = planned
                     .tiles
@@ -229,6 +231,8 @@ impl<'a, 's> PatchMesher<'a, 's> {
         for run in coarse.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let key = (run[0].0, run[0].1);
             let curves = &shared[shared.partition_point(|s| (s.0, s.1) < key)..];
+            // An edge within a tile is in two triangles, and one along a curve is in one triangle of each
+            // sheet there. Two curves must not have a segment in common.
             let allowed = match curves.iter().take_while(|s| (s.0, s.1) == key).collect::<Vec<_>>()[..] {
                 [] => 2,
                 [one] => one.2,
@@ -294,6 +298,7 @@ impl<'a, 's> PatchMesher<'a, 's> {
                 done.normal_deviation
                     .unwrap_or_else(|| tile::normal_deviation((i, tile), subpatch, seams, done))
             });
+            // The distance of two unit vectors is twice the sine of half the angle between them.
             let most = turns.fold(0.0, |most, turn| greater(turn, most));
             2.0 * libm::asin(if most < 2.0 { 0.5 * most } else { 1.0 }).to_degrees()
         });

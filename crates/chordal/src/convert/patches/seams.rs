@@ -99,7 +99,9 @@ impl TileSeams {
     fn split_line(&mut self, run: &[TileSide], nodes: &mut SeamNodes<'_>) {
         let line = run[0].line;
         let breaks = breakpoints(run);
+        // Spans result from halving and are exact, so ends of different tiles compare equal.
         let index = |at: f64| breaks.partition_point(|b| *b < at);
+        // A line within a patch has gaps where a larger tile extends across it.
         let mut covered = vec![false; breaks.len()];
         for entry in run {
             covered[index(entry.span[0])..index(entry.span[1])].fill(true);
@@ -184,6 +186,7 @@ impl TileSeams {
         let n_corners = adjacency.corner_positions.len() as u32;
         // Any tile on a piece can compute its points.
         let mut beside = vec![None; self.pieces.len()];
+        // In reverse, so that the first tile on each piece remains.
         for &(piece, demand, _) in self.demands.iter().rev() {
             beside[piece as usize] = Some(&tiles[(demand / 2) as usize]);
         }
@@ -249,6 +252,7 @@ impl SeamSpan {
     /// The line's parameter at the `k`-th point.
     pub(crate) fn parameter(&self, k: u32) -> f64 {
         let [a, b] = self.span;
+        // The sum may miss the end by a rounding.
         if k == self.n { b } else { a + (b - a) * (f64::from(k) / f64::from(self.n)) }
     }
 
@@ -295,6 +299,8 @@ fn along_edge<'a>(
         && from == 0.0
         && to == 1.0
     {
+        // On the curve and not on the patch: then the rounding error is relative to the curve's size, as
+        // `derivative_bound.rs` derives it for all patches that share the curve.
         let curve = patch.side(side);
         let curve = if reversed { curve.reversed() } else { curve };
         return Box::new(move |at| curve.at(at));

@@ -130,6 +130,7 @@ pub(crate) fn normal_deviation(
             knots.push(TileVertex { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
         });
     }
+    // The only inner vertex that such a tile may have is in its middle, as with two cells each way.
     let [n, m] = match &subpatch.shape {
         SubpatchShape::Extraordinary(_) => [2, 2],
         SubpatchShape::Bezier(_) => cell_counts(tile, PatchSide::ALL.map(|side| seams.count(index, side))),
@@ -181,6 +182,7 @@ impl TileTriangulator<'_> {
             let is_row = matches!(side, PatchSide::Bottom | PatchSide::Top);
             folded(side) || counts[side as usize] as usize != if is_row { n } else { m }
         };
+        // With strips on both sides of a single row no cells are left: one strip joins the two sides.
         if m == 1 && open(PatchSide::Bottom) && open(PatchSide::Top) {
             self.strip(&self.side(PatchSide::Bottom), &reversed(self.side(PatchSide::Top)));
         } else if n == 1 && open(PatchSide::Left) && open(PatchSide::Right) {
@@ -320,6 +322,7 @@ impl TileTriangulator<'_> {
     fn cut_corner(&mut self, outer: &mut [Vec<u32>; 4], side: usize, inner: u32) {
         let next = (side + 1) % 4;
         let (count, count_next) = (outer[side].len(), outer[next].len());
+        // A side of one segment has no vertex before its end to which the corner could be cut off.
         if count < 3 || count_next < 3 || self.tile.corners[next] != PatchCorner::Plain {
             return;
         }
@@ -328,6 +331,7 @@ impl TileTriangulator<'_> {
             let triangle = [before, corner, after];
             let bound = self.triangle_bound(triangle);
             self.emit(triangle, bound);
+            // The strip of this side now ends where that of the next one begins: behind the corner.
             outer[side][count - 1] = after;
             outer[next].remove(0);
         }
@@ -337,6 +341,7 @@ impl TileTriangulator<'_> {
     fn is_rising(&self, i: usize, j: usize) -> bool {
         let (right, top) = (i + 1 == self.n, j + 1 == self.m);
         let [first, second, third, fourth] = self.tile.corners.map(|corner| corner != PatchCorner::Plain);
+        // A corner that must not be cut off has the diagonal that ends at it.
         if first && i == 0 && j == 0 || third && right && top {
             true
         } else if second && right && j == 0 || fourth && i == 0 && top {
@@ -363,6 +368,8 @@ impl TileTriangulator<'_> {
         let right = across(jet.half_along([0.0, dv], [u, 0.0]), c.at - b.at);
         let [ia, ib, ic, id] = corners;
         let [pa, pb, pc, pd] = [[-u, -v], [u, -v], [u, v], [-u, v]];
+        // The middle of either diagonal is that of the cell, where the jet was taken: no third derivatives
+        // enter there.
         let (first, second, bounds, twists) = if *rising {
             let diagonal = across(jet.second.half_along(du, dv), c.at - a.at);
             let bounds = [
@@ -460,6 +467,7 @@ impl TileTriangulator<'_> {
         if self.degenerate.is_empty() || self.n > 2 && self.m > 2 {
             return false;
         }
+        // Border vertices by their shared numbers, inner ones by those in the tile.
         let key = |local: u32| match self.shared.get(local as usize) {
             Some(vertex) => (false, vertex.id),
             None => (true, local),

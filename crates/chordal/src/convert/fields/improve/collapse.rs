@@ -66,6 +66,8 @@ impl SurfaceImprover<'_> {
             let mut faces = Vec::new();
             let (mut chosen, mut rest) = (Vec::new(), Vec::new());
             for estimate in estimates.drain(..) {
+                // A collapse changes only the faces around its start, so that chosen collapses are
+                // independent.
                 faces.clear();
                 faces.extend(self.surface.one_ring(self.surface.start(estimate.h)).map(|h| h / 3));
                 if self.claim_faces(&faces) { chosen.push(estimate) } else { rest.push(estimate) }
@@ -122,6 +124,8 @@ impl SurfaceImprover<'_> {
             n_creases += usize::from(self.is_crease(h));
             n_faces += 1;
         }
+        // On two primitives, a vertex is within a crease if exactly two of its edges are on it. Otherwise
+        // creases end or branch at the vertex, which has to stay.
         if n_faces > MOST_FACES || n_creases != if labels.len() == 2 { 2 } else { 0 } {
             return None;
         }
@@ -190,6 +194,9 @@ impl SurfaceImprover<'_> {
         let samples = self.sample(&queries)?;
         let mut from = 0;
         for estimate in estimates {
+            // Chosen stars have no face in common, so that earlier collapses in this loop leave these samples
+            // valid. They may change the neighbourhood, though, so that a collapse would no longer keep the
+            // surface manifold.
             self.gather_star(estimate.h, star);
             let mut n = 0;
             self.for_each_sample_point(star, |_, _| n += 1);
@@ -258,6 +265,7 @@ impl SurfaceImprover<'_> {
         let outer = self.outer(star).map(|h| self.middle_of(h));
         spokes[1] = [outer[0], first];
         spokes[n - 1] = [last, outer[1]];
+        // Samples are in the order of `for_each_sample_point`: first n − 2 centroids.
         let mut next = n - 2;
         for i in 2..n - 1 {
             let is_crease = self.label_of(star.sides[i - 1]) != self.label_of(star.sides[i]);
@@ -265,6 +273,7 @@ impl SurfaceImprover<'_> {
             next += 1 + usize::from(is_crease);
         }
         for (k, (i, _)) in self.sides_that_change(star).into_iter().flatten().enumerate() {
+            // At `ring[1]` the face with the new label comes after the spoke, at `ring[n − 1]` before it.
             spokes[i][usize::from(i == 1)] = samples[next + k].distance;
         }
         spokes
@@ -290,6 +299,7 @@ impl SurfaceImprover<'_> {
         let outer = self.outer(star).map(|h| self.label_of(h));
         (1..n).all(|i| {
             let mut labels = [self.label_of(star.sides[i - 1]), self.label_of(star.sides[i])];
+            // There the outer neighbour of the removed face takes its place.
             if i == 1 {
                 labels[0] = outer[0];
             }
@@ -311,6 +321,8 @@ impl SurfaceImprover<'_> {
         let old = |h: u32| (self.label_of(h), area_normal(self.points(h / 3)).normalize_or_zero());
         let is_closed = |x: (FaceLabel, DVec3), y: (FaceLabel, DVec3), v: u32| {
             let (Some(p), Some(q)) = (self.constraint(v, x.0), self.constraint(v, y.0)) else { return false };
+            // For normals that are nearly opposite, 1 + cosine is half the square of the angle between the
+            // faces.
             x.0 != y.0 && 1.0 + x.1.dot(y.1) < CLOSED * (1.0 + p.normal.dot(q.normal))
         };
         let outer = self.outer(star);

@@ -73,6 +73,8 @@ impl SurfaceImprover<'_> {
         let (Some(p), Some(q)) = (self.constraint(a, label), self.constraint(b, label)) else {
             return f64::NAN;
         };
+        // The middle of the cubic Hermite interpolant: slopes along the edge are the components of the
+        // normals.
         0.5 * (p.distance + q.distance) + 0.125 * (p.normal - q.normal).dot(self.at(b) - self.at(a))
     }
 
@@ -209,6 +211,7 @@ impl SurfaceImprover<'_> {
                 continue;
             }
             if self.is_crease(h) {
+                // Each part of a crease edge has a face on both sides.
                 along_creases += 2.0 * excess.sqrt();
                 continue;
             }

@@ -110,6 +110,7 @@ impl FaceTree {
                 }
                 continue;
             }
+            // Three levels of halving: cut 4, then 2 and 6, then the odd ones.
             let mut cuts = [from, 0, 0, 0, 0, 0, 0, 0, to];
             for step in [WIDE, WIDE / 2, WIDE / 4] {
                 for k in (0..WIDE).step_by(step) {
@@ -165,6 +166,7 @@ impl FaceTree {
 
     /// Removes a face.
     pub fn remove(&mut self, face: u32) {
+        // The face keeps its slot, whose empty box meets nothing.
         let (node, k) = self.slot_of[face as usize];
         self.nodes[node as usize].set(k as usize, &NOTHING);
     }
@@ -224,6 +226,7 @@ impl FaceTree {
             for k in 0..WIDE {
                 if meets[k] {
                     let child = node.children[k];
+                    // `NONE` has the bit of a node, too.
                     if child & NODE == 0 {
                         near(child);
                     } else if child != NONE && n_stack < STACK {

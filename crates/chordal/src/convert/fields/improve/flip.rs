@@ -113,6 +113,8 @@ impl SurfaceImprover<'_> {
             queries.extend([(label, 0.5 * (c + d)), (label, (a + d + c) / 3.0), (label, (d + b + c) / 3.0)]);
         }
         let samples = self.sample(&queries)?;
+        // Flips of one round have no face in common, so that samples stay valid; but another flip may have
+        // made the edge c–d already, which `can_flip` finds.
         for (FlipEstimate { h, is_urgent, .. }, samples) in flips.iter().zip(samples.chunks(3)) {
             let t = self.surface.twin(*h);
             let label = self.label_of(*h);
@@ -140,6 +142,7 @@ impl SurfaceImprover<'_> {
             if self.crosses(&new, &[*h / 3, t / 3]) {
                 continue;
             }
+            // As stored, not as estimated: unsampled middles stay unsampled.
             let kept = [next_in_face(*h), previous_in_face(*h), next_in_face(t), previous_in_face(t)]
                 .map(|side| self.middle[side as usize]);
             self.surface.flip(*h);

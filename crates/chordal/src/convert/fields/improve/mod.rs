@@ -200,6 +200,7 @@ impl<'a> SurfaceImprover<'a> {
     pub fn refine(&mut self) -> Result<Vec<BlockedPlace>, ImproveError> {
         self.aim_at_walls()?;
         self.split_far(MOST_REPAIRS)?;
+        // `edge_excess` is never NaN. That of a face may be, and then counts as far.
         let is_far = |h: u32| self.edge_excess(h) > 1.0 || !(self.face_excess(h / 3) <= 1.0);
         let remaining = self.stuck.iter().filter(|h| self.surface.has_face(**h / 3) && is_far(**h));
         let place = |h: &u32| {
@@ -227,6 +228,8 @@ impl<'a> SurfaceImprover<'a> {
             }
             last = now;
         }
+        // So far, errors were those at corners, middles and centroids. These checks take nine more samples of
+        // each face.
         for _ in 0..MOST_CHECKS {
             self.split_far(MOST_REPAIRS)?;
             if self.job.is_finishing() || self.split_edges_of_refuted()? == 0 {

@@ -50,6 +50,7 @@ impl ProjectionBatch {
         let most_steps = if guarded.is_empty() { MOST_STEPS } else { MOST_STEPS + MOST_BACK };
         for step in 0..=most_steps {
             self.measure(evaluator, &active)?;
+            // The last measurement only brings the constraints up to date with the final positions.
             if step == most_steps {
                 break;
             }
@@ -163,10 +164,13 @@ impl SurfaceImprover<'_> {
         let mut is_away = vec![false; self.position.len()];
         let raw = self.position.clone();
         self.constraints = before;
+        // All at once: sheets that are near to each other move together. One by one, each would block the
+        // next.
         for v in 0..raw.len() as u32 {
             let (from, to) = (raw[v as usize], targets.at[v as usize]);
             let reach = self.size_around(v, &raw);
             let reach = greater(reach, 4.0 * self.tol);
+            // A target farther away is on another part of the surface, or the steps diverge.
             if (to - from).length() <= reach {
                 self.position[v as usize] = to;
             } else {
@@ -216,6 +220,8 @@ impl SurfaceImprover<'_> {
     fn untangle(&mut self, raw: &[DVec3], is_away: &mut [bool]) -> Result<(), ImproveError> {
         let mut suspects: Vec<u32> = (0..self.surface.face_slots() as u32).collect();
         let mut moved_back: Vec<u32> = Vec::new();
+        // This ends, since the raw surface has no crossing faces, and every pass sends some vertex back to
+        // it.
         while !suspects.is_empty() {
             self.next_round()?;
             let crossing = self.find_crossing(&suspects);

@@ -77,6 +77,7 @@ impl SurfaceImprover<'_> {
         self.limit = lesser(limit, MOST_EXCESS);
         let result = self.collapse_all(Some(&is_near));
         self.limit = 1.0;
+        // Estimates under the larger limit do not hold for the aim, so all vertices are tried again.
         self.is_open.fill(true);
         result
     }
@@ -212,6 +213,8 @@ impl SurfaceImprover<'_> {
             }
             let across = self.surface.twin(side);
             let (beyond, apex) = (across / 3, self.surface.apex(across));
+            // A face across a crease has another primitive than its new vertex; an apex on the rim would
+            // occur twice around z.
             let is_blocked = self.is_crease(side) || self.claimed_in[beyond as usize] == self.round;
             if is_blocked || flips.len() == MOST_FLIPS || rim.contains(&apex) {
                 return None;
@@ -221,6 +224,7 @@ impl SurfaceImprover<'_> {
             flips.push([x, y]);
             sides.extend([previous_in_face(across), next_in_face(across)]);
         }
+        // The first two are claimed already.
         let is_free = !self.crosses(&new, &removed) && self.claim_faces(&removed[2..]);
         is_free.then_some(flips)
     }

@@ -32,9 +32,11 @@ impl SurfaceImprover<'_> {
     /// ignored, since they come arbitrarily near.
     pub(super) fn aim_at_walls(&mut self) -> Result<(), LeafError> {
         let joined = self.joined_labels();
+        // A sheet farther away would not lower the aim.
         let reach = self.aim / OF_WALL;
         let vertices = self.vertices();
         let chunks: Vec<&[u32]> = vertices.chunks(CHUNK).collect();
+        // Where only labels of cubes nearby join the vertex's own, no search in the tree is needed.
         let near = self.labels_by_cube(reach);
         let open = par_map(self.job, &chunks, |_, part| {
             let is_alone = |v: u32| near.around(self.at(v)).all(|label| self.joins(v, label, &joined));
@@ -48,17 +50,21 @@ impl SurfaceImprover<'_> {
         let mut open = open.concat();
         while !open.is_empty() {
             let chunks: Vec<&[(u32, f64)]> = open.chunks(CHUNK).collect();
-            let found = par_map(self.job, &chunks, |_, part| {
+            let opposing = par_map(self.job, &chunks, |_, part| {
                 let look = |(v, size): &(u32, f64)| self.labels_across(*v, lesser(*size, reach), &joined);
                 part.iter().map(look).collect::<Vec<OpposingFaces>>()
             })
             .concat();
-            let by_vertex = open.iter().zip(&found);
-            let across: Vec<(u32, FaceLabel)> =
-                by_vertex.flat_map(|((v, _), found)| found.labels.iter().map(|label| (*v, *label))).collect();
+            let by_vertex = open.iter().zip(&opposing);
+            let across: Vec<(u32, FaceLabel)> = by_vertex
+                .flat_map(|((v, _), opposing)| opposing.labels.iter().map(|label| (*v, *label)))
+                .collect();
             self.aim_below(&across)?;
-            let left =
-                open.into_iter().zip(found).filter(|((_, size), found)| *size < reach && !found.is_enough());
+            // Beyond the first sheet that is found, others are farther and would lower the aim less.
+            let left = open
+                .into_iter()
+                .zip(opposing)
+                .filter(|((_, size), opposing)| *size < reach && !opposing.is_enough());
             open = left.map(|((v, size), _)| (v, 2.0 * size)).collect();
         }
         Ok(())

@@ -105,6 +105,7 @@ impl SurfaceImprover<'_> {
                 }
                 let mut candidates: Vec<u32> = self.surface.one_ring(v).collect();
                 let length = |h: &u32| (self.at(self.surface.end(*h)) - self.at(v)).length_squared();
+                // A stable sort: equally long edges stay in the order of the ring.
                 candidates.sort_by(|a, b| length(a).total_cmp(&length(b)));
                 for h in candidates {
                     if self.surface.can_collapse(h) {
@@ -148,6 +149,7 @@ impl SurfaceImprover<'_> {
             let (old, new) = (area_normal(before), area_normal(after));
             let longest = [0, 1, 2].map(|k| (before[(k + 1) % 3] - before[k]).length());
             let longest = longest.into_iter().fold(0.0, |m, x| greater(x, m));
+            // The vector area has twice the length of the area: the longest side times the height above it.
             let has_width = |area: DVec3| area.length() > 4.0 * NO_LENGTH * self.tol * longest;
             if has_width(old) { old.dot(new) > 0.5 * old.length() * new.length() } else { !has_width(new) }
         })
