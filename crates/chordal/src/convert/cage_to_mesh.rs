@@ -196,6 +196,7 @@ impl<'a> CageSheets<'a> {
         // Edge numbers: whole edges and first halves as in the cage, then second halves, then the edges
         // inside polygons by corner.
         let inside = |face: usize, k: usize| (2 * n_edges + cage.begin(face) + k) as u32;
+        // The half at the edge's first vertex keeps the edge's number.
         let half = |edge: u32, vertex: u32| {
             if table.ends[edge as usize][0] == vertex { edge } else { n_edges as u32 + edge }
         };
@@ -225,9 +226,9 @@ impl<'a> CageSheets<'a> {
                 SideBoundary::Halves(if k < 2 { halves } else { [halves[1], halves[0]] })
             }));
         }
-        let mut made = Self { sheets, texcoords: None, seams, edges: Vec::new(), same: Vec::new() };
-        made.number_edges();
-        made
+        let mut cage_sheets = Self { sheets, texcoords: None, seams, edges: Vec::new(), same: Vec::new() };
+        cage_sheets.number_edges();
+        cage_sheets
     }
 
     /// Numbers the used edges consecutively, and lists their uses.
@@ -325,6 +326,8 @@ impl<'a> PatchSurface<'a> for CageSheets<'a> {
                 }
                 QuadPatchTree::Extraordinary(extraordinary) => {
                     let place = Box3::from_points(extraordinary.ring().hull());
+                    // No tile may extend across the middle of a halved side, so such a sheet is cut at least
+                    // once.
                     let is_split = depth == 0 && (halved[0] || halved[1]);
                     let tolerance = plan::tolerance(place, allowance, extraordinary.rounding_error());
                     let is_last = depth == DEEPEST;
@@ -349,6 +352,7 @@ impl<'a> PatchSurface<'a> for CageSheets<'a> {
                     let Ok(quarters) = extraordinary.quarters() else { continue };
                     let half = 0.5 * width;
                     let places = [[u, v], [u + half, v], [u + half, v + half], [u, v + half]];
+                    // In reverse, so that they leave the stack in order.
                     open.extend(
                         quarters.iter().zip(places).map(|(quarter, at)| (quarter, at, depth + 1)).rev(),
                     );

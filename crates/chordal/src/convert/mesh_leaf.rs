@@ -186,6 +186,7 @@ impl MeshLeaf {
             return None;
         }
         let is_inside = self.side_of_point((p, radius), (distance, row), known)?;
+        // Beyond the box all points are outside; so a ball that is inside has to be within it.
         (!is_inside || within).then_some(is_inside)
     }
 
@@ -262,6 +263,8 @@ impl MeshLeaf {
             (at, empty, row) = (next, next_distance, nearest);
         }
         let enclosure = self.moments.as_ref()?.enclosure(&self.bvh);
+        // Winding numbers are cheaper away from the triangles, but on the way there they change, too. So the
+        // point itself comes second.
         for (from, empty, path) in [(at, empty, path), (p, distance, radius)] {
             let change = self.border.most_change(from, path);
             if change.is_nan() || change >= 1.0 {
@@ -272,6 +275,7 @@ impl MeshLeaf {
                 let margin = sub_down((winding.value - 0.5).abs(), winding.off_at_most);
                 if margin > change {
                     let is_inside = winding.value > 0.5;
+                    // One for each side: the next balls are often near the last one of their side.
                     known[usize::from(is_inside)] =
                         Some(OpenSide { point: from, distance: empty, margin, is_inside });
                     return Some(is_inside);
@@ -482,6 +486,7 @@ impl Leaf for MeshLeaf {
                     // All points of the ball have this side, so only the distance varies.
                     Some(true) => -size,
                     Some(false) => size,
+                    // The side may change without a triangle, so the value may jump.
                     None => size.hull(-size).undefined(),
                 };
             }

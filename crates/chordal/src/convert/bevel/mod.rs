@@ -110,8 +110,8 @@ pub fn outlines_to_bevelled_solid(
         let evidence = Evidence::ProvedIf(vec![promise.into()]);
         let mut bound = Bound::with_evidence(0.0, Some(most), evidence, Reference::Curves);
         bound.pixels = budget.pixels.as_ref().and_then(|asked| asked.view.pixels_of(most, &place));
-        let made = Bounded { shape: mesh, bound };
-        made.met_if(is_met)
+        let bounded = Bounded { shape: mesh, bound };
+        bounded.met_if(is_met)
     })
 }
 

@@ -52,10 +52,10 @@ impl PlaneTriangulation {
             at[*point as usize] = c as u32;
         }
         let changed = (0..n as u32 / 3).collect();
-        let mut made = Self { points, corners, twins, fixed: vec![false; n], at, changed };
+        let mut triangulation = Self { points, corners, twins, fixed: vec![false; n], at, changed };
         let mut all = (0..n as u32).collect();
-        made.legalize(&mut all);
-        made
+        triangulation.legalize(&mut all);
+        triangulation
     }
 
     pub fn n_triangles(&self) -> usize {
@@ -99,6 +99,11 @@ impl PlaneTriangulation {
 
     /// Turns an edge within its two triangles.
     fn flip(&mut self, c: u32) {
+        //      r                r
+        //    /   \            / | \
+        //   p --c→ q    →    p  |  q      first: r, p, s; second: s, q, r
+        //    \   /            \ | /
+        //      s                s
         let d = self.twins[c as usize];
         let (p, q) = (self.corners[c as usize], self.corners[d as usize]);
         let (r, s) = (self.corners[previous(c) as usize], self.corners[previous(d) as usize]);
@@ -281,6 +286,7 @@ impl PlaneTriangulation {
         loop {
             let (a, b) = (self.point(next(c)), self.point(previous(c)));
             let o = self.point(c);
+            // Half-open, so that a direction along an edge belongs to one triangle only.
             if orient2d(o, a, to) != Orientation::Back && orient2d(o, to, b) == Orientation::Front {
                 return Some(c);
             }
@@ -314,6 +320,7 @@ impl PlaneTriangulation {
     /// Makes a segment between two points a fixed edge. If a fixed edge or a point is in its way, no edge stays changed.
     pub fn fix(&mut self, from: u32, to: u32) {
         let (o, end) = (self.points[from as usize], self.points[to as usize]);
+        // After a flip, other edges may still be in the way.
         for _ in 0..MOST_STEPS {
             let Some(start) = self.towards(from, end) else { return };
             for edge in [start, previous(start)] {

@@ -34,6 +34,7 @@ impl PlaneCurve {
         let Self::Line { normal: [a, b], .. } = self else { return None };
         let far = self.distance(centre).abs();
         let middle = dot([-b, *a], centre);
+        // As a product, since a difference of squares would lose digits.
         let half = ((radius - far) * (radius + far)).sqrt();
         (half > 0.0).then_some([middle - half, middle + half])
     }
@@ -50,6 +51,7 @@ impl PlaneCurve {
                 if half.is_finite() && middle.is_finite() {
                     return Some(vec![[middle - half, middle + half]]);
                 }
+                // Parallel lines are near everywhere or nowhere.
                 (away.abs() > slack).then(Vec::new)
             }
             (Self::Line { normal: [a, b], .. }, Self::Circle { centre, radius }) => {
@@ -73,6 +75,7 @@ impl PlaneCurve {
                 if away.abs() > radius + slack {
                     return Some(Vec::new());
                 }
+                // By half the angle, whose tangent keeps its digits near 0 and π, unlike an arc cosine.
                 let angle = |along: f64| half_angle_twice(radius - along, radius + along);
                 let ends = [angle(away + slack), angle(away - slack)];
                 around(atan2(normal[1], normal[0]), ends)

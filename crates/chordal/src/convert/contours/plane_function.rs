@@ -56,9 +56,11 @@ impl PlaneFunction {
                 // The function is `scale · (√square − level)`.
                 let is_opposite = scale.hi() < 0.0;
                 let level = -offset / scale;
+                // A root is above every negative level.
                 if level.hi() < 0.0 {
                     return Some(Self { curve: PlaneCurve::Nowhere, is_opposite, quadratic: square });
                 }
+                // For a positive level, √s − l has the sign of s − l².
                 let quadratic = square.plus(&PlaneQuadratic::constant(-(level * level)));
                 if level.lo() > 0.0 { Self::from_quadratic(quadratic, is_opposite) } else { None }
             }
@@ -74,6 +76,7 @@ impl PlaneFunction {
         let [xx, xy, yy, x, y, constant] = middles;
         if quadratic.as_constant().is_some() {
             let is_clear = ranges[5].lo() > 0.0 || ranges[5].hi() < 0.0;
+            // A negative constant is negative everywhere, which is the opposite of `Nowhere`.
             let is_opposite = is_opposite != (constant < 0.0);
             return is_clear.then_some(Self { curve: PlaneCurve::Nowhere, is_opposite, quadratic });
         }
@@ -86,6 +89,7 @@ impl PlaneFunction {
             } else {
                 length([x, y])
             };
+            // Subtracted from 0, so that an offset of 0 is not −0.
             let curve = PlaneCurve::Line { normal: [x / size, y / size], offset: 0.0 - constant / size };
             return size.is_normal().then_some(Self { curve, is_opposite, quadratic });
         }

@@ -99,6 +99,7 @@ impl PlaneOutline {
             return None;
         }
         let arrangement = PlaneArrangement { csg: &csg, functions, slack, centre, radius };
+        // If the rim is filled, the outline is not closed within the disc.
         if arrangement.is_filled_around() {
             return None;
         }
@@ -230,17 +231,20 @@ impl PlaneArrangement<'_> {
         } else {
             for k in 0..n {
                 let next = (k + 1) % n;
+                // The last gap of a circle goes through 0, into the next turn.
                 let turn = if next <= k { TAU } else { 0.0 };
                 gaps.push(([near[k].ends[1], near[next].ends[0] + turn], [Some(k), Some(next)]));
             }
         }
         let mut stretches = Vec::new();
         for ([from, to], beside) in gaps.into_iter().filter(|([from, to], _)| from < to) {
+            // No other curve is near in a gap, so the signs at its middle hold in all of it.
             let signs = self.signs(function.curve.at(0.5 * (from + to)));
             let holds = |is_below: bool| {
                 let sign = function.is_negative(is_below);
                 self.csg.tree().contains(|p| if p as usize == number { sign } else { signs[p as usize] })
             };
+            // The negative side of a curve is on its left.
             let (left, right) = (holds(true), holds(false));
             if left == right {
                 continue;
@@ -248,6 +252,7 @@ impl PlaneArrangement<'_> {
             let ends = match beside {
                 [Some(a), Some(b)] => Some(if left { [a, b] } else { [b, a] }),
                 [None, None] if window.is_none() => None,
+                // The stretch reaches the rim of the disc.
                 _ => return None,
             };
             let (from, to) = if left { (from, to) } else { (to, from) };
@@ -325,6 +330,7 @@ impl PlaneArrangement<'_> {
         if near.len() > MOST_UNDECIDED {
             return true;
         }
+        // The signs of the near curves are the bits, those of the others are known.
         let holds = |bits: u32| {
             self.csg
                 .tree()
@@ -390,6 +396,7 @@ impl<'a> OutlineCorners<'a> {
                     circles.push(OutlineEdge { start, curve, from: *from, to: *to });
                     continue;
                 };
+                // No outline ends where the tree is decided: if a stretch does, the corner is not certain.
                 let corner = |k: usize| box_of[number][ends[k]].map(|one| label[one as usize]);
                 let ends = [corner(0)?, corner(1)?];
                 ends.iter().for_each(|end| curves_at[*end as usize].push(curve));
@@ -412,6 +419,7 @@ impl<'a> OutlineCorners<'a> {
             size = greater(far, size);
             let middle = [0, 1].map(|k| 0.5 * (min[k] + max[k]));
             let crossing = arrangement.crossing(curves, middle);
+            // The crossing of tangent curves may be far away; then the middle of the corner is its vertex.
             let is_in = |p: &[f64; 2]| (0..2).all(|k| min[k] <= p[k] && p[k] <= max[k]);
             vertices.push(crossing.filter(is_in).unwrap_or(middle));
         }
@@ -478,6 +486,8 @@ impl<'a> OutlineCorners<'a> {
         let outward = |number: usize, is_coming: bool| {
             let CornerStretch { curve, from, to, .. } = self.stretches[number];
             let [x, y] = self.curve(curve).direction(if is_coming { to } else { from });
+            // From the corner, a coming stretch is seen backwards, and so is one against the parameter of its
+            // curve.
             if (to > from) == is_coming { atan2(-y, -x) } else { atan2(y, x) }
         };
         let mut rays: Vec<(f64, usize, bool)> =
@@ -510,6 +520,7 @@ impl<'a> OutlineCorners<'a> {
             // Either all the way around, or a short arc with both ends in one corner.
             let one = path[0];
             let turn = if one.to > one.from { TAU } else { -TAU };
+            // Parameters of successive stretches may differ by whole turns, which are not counted.
             let turns = (0..n).fold(0.0, |turns: f64, k| {
                 let gap = (path[(k + 1) % n].from - path[k].to) / turn;
                 turns + (path[k].to - path[k].from) / turn + (gap - gap.round())
@@ -529,6 +540,7 @@ impl<'a> OutlineCorners<'a> {
             let is_round = matches!(self.curve(edge.curve), PlaneCurve::Circle { .. });
             let gap = edge.from - last.to;
             let turns = if is_round { TAU * (gap / TAU).round() } else { 0.0 };
+            // The next stretch of the same circle may be numbered a turn farther.
             last.to = edge.to - turns;
         }
         Some(kept)
@@ -590,6 +602,7 @@ impl PlaneArrangement<'_> {
                 p[1] - (aside * one[0] - away * other[0]) / det,
             ];
         }
+        // A line along an axis keeps its coordinate exactly, which the steps have rounded.
         for number in [a, b] {
             if let PlaneCurve::Line { normal: [x, y], offset } = curve(number) {
                 p = [if y == 0.0 { x * offset } else { p[0] }, if x == 0.0 { y * offset } else { p[1] }];

@@ -68,6 +68,7 @@ pub(super) fn prove(
         })
         .collect();
     segments.sort_unstable_by(|a, b| {
+        // Row by row, so that one search finds the squares of a row that are beside each other.
         [a.0[1], a.0[0]].cmp(&[b.0[1], b.0[0]]).then(a.1[0][0].total_cmp(&b.1[0][0]))
     });
     let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
@@ -136,6 +137,7 @@ impl ContourProver<'_> {
                 let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
                 let half = add_up(length_up([middle[0] - low[0], middle[1] - low[1]]), self.rounding);
                 let most = add_up(self.distance_to_lines(middle), half);
+                // A box that is not farther than the largest distance so far cannot raise it.
                 let enough = greater(self.aim, far.most);
                 let finest = FINEST * enough;
                 let least = ROUNDINGS * self.rounding;
@@ -150,6 +152,8 @@ impl ContourProver<'_> {
                     continue;
                 }
                 if most > enough {
+                    // Without a segment near, the distance is infinite. The way by the block's centre gives a
+                    // finite bound, and its search is made once.
                     let from_centre =
                         *from_block_centre.get_or_insert_with(|| self.distance_to_any_line(centre));
                     let aside = length_up([middle[0] - centre[0], middle[1] - centre[1]]);
@@ -181,6 +185,7 @@ impl ContourProver<'_> {
     fn distance_to_any_line(&self, p: [f64; 2]) -> f64 {
         let mut rings = RINGS;
         let mut near = self.distance_in_rings(p, rings);
+        // A segment in a farther ring may be nearer than that.
         while near > rings as f64 * self.traced.lattice.step && rings < MOST_RINGS {
             rings *= 4;
             near = self.distance_in_rings(p, rings);
@@ -199,6 +204,7 @@ impl ContourProver<'_> {
                 self.segments[start..].iter().take_while(|entry| key(entry) <= [row, i + rings])
             {
                 let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+                // Any t from 0 to 1 gives a point of the segment, so rounding can only enlarge the distance.
                 let t = (q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
                 let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
                 let far = length_up([q[0] - t * d[0], q[1] - t * d[1]]);
@@ -305,6 +311,7 @@ impl ContourProver<'_> {
             let clear = |range: &Interval| {
                 range.is_defined() && !range.is_empty() && (range.lo() >= 0.0 || range.hi() < 0.0)
             };
+            // If even the smaller boxes have both signs, the larger ones do.
             if !ranges.iter().any(clear) {
                 break;
             }

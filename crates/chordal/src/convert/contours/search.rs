@@ -63,6 +63,7 @@ pub(in crate::convert) fn search(
         }
         let estimated = estimate(&traced, job).map_err(leaf_failure)?;
         if estimated > 0.9 * length {
+            // Distances fall with the square of the step.
             let part = (0.7 * length / estimated).sqrt();
             step *= greater(0.25, part);
             continue;
@@ -81,6 +82,7 @@ pub(in crate::convert) fn search(
         }
         let lines = search.polylines(&traced, Some(distance.most), distance.least);
         if distance.most <= length {
+            // The length that the proof leaves is used to merge segments.
             let lines = without_straight_runs(lines, length);
             return search.check_segments(with_place(lines, distance.at));
         }

@@ -133,6 +133,7 @@ pub(super) fn trace(
     let mut next = vec![u32::MAX; crossings.len()];
     for block in &mut blocks {
         for (from, to) in std::mem::take(&mut block.links) {
+            // The block with the edge was dropped by its range, but a neighbour has found a crossing on it.
             let (Some(from), Some(to)) = (row(from), row(to)) else { return Err(contradiction()) };
             next[from] = to as u32;
             block.segments.push([from as u32, to as u32]);
@@ -260,6 +261,7 @@ fn find_crossings(
         }
         tape.at(&points, &mut values)?;
         for ((edge, part), value) in edges.iter().zip(&mut parts).zip(&values) {
+            // The end whose side the middle has moves there.
             let end = usize::from((*value < 0.0) != edge.2);
             part[end] = 0.5 * (part[0] + part[1]);
         }

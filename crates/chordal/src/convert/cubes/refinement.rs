@@ -371,8 +371,8 @@ impl OctreeRefinement<'_> {
                 let BoundedCell { cell, most, .. } = leaves[*at];
                 let mut aim = goal;
                 while most > aim && !self.job.is_cancelled() {
-                    if let Some(found) = proof.bound_within(cell, aim) {
-                        return lesser(found, most);
+                    if let Some(bound) = proof.bound_within(cell, aim) {
+                        return lesser(bound, most);
                     }
                     aim *= NEXT_AIM;
                 }

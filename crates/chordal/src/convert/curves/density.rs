@@ -236,6 +236,7 @@ impl<const D: usize> FlattenScratch<D> {
             let times = loss * scale;
             let root = times.sqrt();
             let small = (FLAT * root).sqrt();
+            // `&` instead of `&&`, so that the loop has no branch and becomes vector instructions.
             let large = if stubborn & (times > 1.0) { times } else { root };
             *share = if root < FLAT { small } else { large };
         }

@@ -261,6 +261,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         allowance: &CurveAllowance,
     ) -> Result<Bounded<Vec<Polyline<D>>>, FlatteningFailure<D>> {
         let most = most.min(self.limit());
+        // A single piece in equal steps takes the whole count; no length has to be found.
         if let ([part], Spacing::Even) = (self.parts.as_slice(), self.spacing) {
             let places = part.chords.even(most.max(1));
             return Ok(self.finish(&[FlattenedPiece::new(part, places)], allowance));
@@ -271,6 +272,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         });
         let ladder = LengthLadder { size, per_octave: RUNGS, octaves: OCTAVES };
         let rung = |k: u32| CurveAllowance { length: Some(ladder.length(k)), pixels: None };
+        // Finer rungs are below precision, too: the search ends there as if they had too many segments.
         let cut = |k: u32| match self.cut(&rung(k), most) {
             Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::BelowPrecision => Ok(None),
             other => other,
@@ -282,6 +284,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         };
         ladder.finest(|k| {
             let Some(cuts) = cut(k)? else { return Ok(false) };
+            // A finer rung may have the larger deviation, since chords are placed anew.
             if largest_deviation(&cuts) < largest_deviation(&best) {
                 best = cuts;
             }
@@ -299,6 +302,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
             polylines.push(polyline(curve, own_cuts));
             rest = other_cuts;
         }
+        // The slack of a path counts even if none of its pieces has a deviation.
         let slack = self.curves.iter().fold(0.0, |a: f64, c| greater(c.slack(), a));
         let at_most = cuts.iter().fold(slack, |most, cut| greater(cut.at_most, most));
         let (at_least, at) = self.measured_deviation(cuts, &polylines);
@@ -426,6 +430,7 @@ fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[FlattenedPiece]) -> Polyli
             }
         }
     }
+    // The last point of a closed path is its first.
     if line.closed && line.points.len() > 1 {
         line.points.pop();
         line.places.pop();

@@ -182,6 +182,7 @@ impl SignLattice {
     /// Samples a brick; also returns the number of samples whose sign may be wrong through rounding.
     fn sample_brick(&self, tape: &Tape, at: [u32; 3]) -> Result<(Option<SignBrick>, u64), LeafError> {
         let first = at.map(|k| k as usize * BRICK);
+        // Outside, until a range or a value shows otherwise.
         let mut values = vec![self.step as f32; VOLUME];
         // 1. From the whole brick to blocks of 2³ samples.
         let mut open = vec![[0_usize; 3]];
@@ -318,6 +319,7 @@ impl SampleSource for SignLattice {
             };
             let first = BRICK * brick;
             let left = self.lattice.size[0] - first;
+            // Bits beyond the last sample of the row stay 0.
             if left < BRICK {
                 bits &= (1 << left) - 1;
             }

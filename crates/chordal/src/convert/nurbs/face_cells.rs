@@ -78,6 +78,7 @@ impl FaceCells {
     /// The first and the last column, or row, of patches whose closed range has a coordinate: one or two.
     fn patches_along(&self, k: usize, x: f64) -> [usize; 2] {
         let i = (x as usize).min(self.n[k] - 1);
+        // A coordinate on a border belongs to the patches on both sides.
         [if x == i as f64 { i.saturating_sub(1) } else { i }, i]
     }
 
@@ -156,6 +157,7 @@ impl FaceCells {
         };
         for k in 0..2 {
             let (low, high) = range(k);
+            // The whole numbers strictly between the two.
             let between = low as usize + 1..high.ceil() as usize;
             if !between.is_empty() {
                 return Some((k, ((between.start + between.end) / 2) as f64));
@@ -200,6 +202,7 @@ impl FaceCells {
             let patch = if end == 0 { cell.patch - step } else { cell.patch + step };
             at[across] = if end == 0 { self.parts[patch][across] - 1 } else { 0 };
             let side = [0, 1].map(|end| self.line(cell.patch, along, cell.at[along] + end));
+            // Cells that touch only an end of the side are left out.
             let [_, first] = self.cells_along(patch, along, side[0]);
             let [last, _] = self.cells_along(patch, along, side[1]);
             for i in first..=last {

@@ -80,6 +80,7 @@ impl TrimmedFace<'_> {
             let distances = far(at(k));
             if distances < best.1 { (k, distances) } else { best }
         });
+        // The nearest point is assumed to be between the neighbours of the nearest sample.
         let [mut low, mut high] = [at(nearest.saturating_sub(1)), at((nearest + 1).min(SAMPLES))];
         let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
         let mut distances = inner.map(far);
@@ -163,6 +164,8 @@ fn exchange(faces: &mut [TrimmedFace<'_>], near: f64, job: &Job) -> Vec<[[u32; 2
             }
         }
     }
+    // The order of the edges and of the parameters along them, so that the numbers of new vertices do not
+    // depend on threads.
     inserted.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     // From the last edge to the first, so that the numbers of earlier edges stay.
     for run in inserted.chunk_by(|a, b| a.0 == b.0).collect::<Vec<_>>().into_iter().rev() {

@@ -177,6 +177,7 @@ impl CellTriangulator<'_> {
                 both_ways.entry(edge).or_insert((false, cell.patch)).0 |= is_inside;
             }
             triangles.extend(mixed.triangles.into_iter().map(|t| (t, cell.patch)));
+            // The cells on both sides of an edge have to agree.
             for (edge, is_inside) in mixed.borders {
                 if *borders.entry(edge).or_insert(is_inside) != is_inside {
                     return Err(TrimConflict::Crossing);
@@ -279,6 +280,7 @@ impl CellTriangulator<'_> {
 
     fn edges_of(&self, content: &CellContent) -> Result<CellEdges, TrimConflict> {
         let mut net: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+        // Parts of edges that run both ways cancel, as along the two sides of a slit.
         for edge in &content.edges {
             let stops = self.stops(*edge, &content.vertices);
             for [a, b] in stops.array_windows::<2>() {
@@ -348,6 +350,7 @@ impl CellTriangulator<'_> {
     /// The ends of an edge, and vertices that lie on it, in its order.
     fn stops(&self, [a, b]: [u32; 2], vertices: &[u32]) -> Vec<u32> {
         let [p, q] = [a, b].map(|id| self.vertices[id as usize]);
+        // Along the axis of the longer extent, where no two points of the edge have equal coordinates.
         let axis = usize::from((q[1] - p[1]).abs() > (q[0] - p[0]).abs());
         let is_on = |id: &u32| {
             let at = self.vertices[*id as usize];

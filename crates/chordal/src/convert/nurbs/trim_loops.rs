@@ -100,6 +100,7 @@ impl TrimPiece {
 
     pub fn at(&self, t: f64) -> [f64; 2] {
         match self {
+            // The given ends and not rounded ones, so that successive pieces meet.
             Self::Rational { ends, .. } if t <= 0.0 => ends[0],
             Self::Rational { ends, .. } if t >= 1.0 => ends[1],
             Self::Rational { weighted, weights, .. } => {
@@ -313,6 +314,7 @@ impl TrimPieces {
             *(if (x < line) == is_below { &mut from } else { &mut to }) = middle;
         }
         let mut at = self.lattice_point(lattice, edge.piece, to);
+        // Exactly on the line, so that the vertex belongs to the cells on both sides.
         at[k] = line;
         Some((lattice.cells.snapped(at), to))
     }
@@ -336,12 +338,10 @@ impl TrimPieces {
         let distances =
             points[..n].iter().map(|p| distance_to_segment(scaled(*p), a, b)).collect::<Vec<f64>>();
         let most = |all: &[f64]| {
-            all.iter().fold(
-                0.0,
-                |far: f64, distance| {
-                    if distance.is_nan() { f64::INFINITY } else { greater(*distance, far) }
-                },
-            )
+            all.iter().fold(0.0, |far: f64, distance| {
+                // A distance that is no number must not be lost in a maximum.
+                if distance.is_nan() { f64::INFINITY } else { greater(*distance, far) }
+            })
         };
         let at_ends = greater(most(&distances[..1]), most(&distances[n - 1..]));
         let inner = if n > 2 { most(&distances[1..n - 1]) } else { 0.0 };
@@ -395,6 +395,7 @@ impl TrimPieces {
             let around = (0..loops.len())
                 .filter(|other| other != index && winding_number(&loops[*other], *start) != Some(0))
                 .count();
+            // Outer loops run counter-clockwise, the holes in them clockwise, and so on.
             (area(&loops[*index]) > 0.0) != around.is_multiple_of(2)
         })
     }

@@ -96,6 +96,7 @@ pub(in crate::convert) fn mesh_within(
     let most = (job.memory_limit / CELL_BYTES).min(job.triangle_limit).min(MOST_CELLS);
     'rounds: for round in 0..ROUNDS {
         while cut(faces, &mut prepared, scale, length, job) > most {
+            // The next mesh would be too large; an earlier one is there already.
             if best.is_some() {
                 break 'rounds;
             }
@@ -251,6 +252,7 @@ fn bounded_face(
             bending = bound;
             worst = Some(std::array::from_fn(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0));
         }
+        // The comparison above is false for NaN.
         if bound.is_nan() {
             bending = f64::INFINITY;
         }
@@ -356,6 +358,7 @@ fn shaded(
         for vertex in run {
             let normal = DVec3::from(normals[*vertex as usize]);
             let known =
+                // A vertex without a normal joins the first group.
                 groups.iter().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL || normal == DVec3::ZERO);
             let target = known.map(|group| group.1).unwrap_or_else(|| {
                 points.push(positions[*vertex as usize]);

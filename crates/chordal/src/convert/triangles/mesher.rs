@@ -93,14 +93,16 @@ impl<'a> LoopMesher<'a> {
     pub(crate) fn estimate(&self, allowance: &Allowance) -> Result<f64, TessellationFailure> {
         let of_leaf = |leaf: &LoopLeaf| -> Result<f64, InfeasibleTolerance> {
             let cell = &self.cells[leaf.cell as usize];
-            let (found, sides) = match leaf.certify(cell, &self.vertices, allowance) {
-                Ok(found) => (found, found.sides),
+            let (leaf_bound, sides) = match leaf.certify(cell, &self.vertices, allowance) {
+                Ok(leaf_bound) => (leaf_bound, leaf_bound.sides),
                 Err(refused) => match refused.0 {
                     InfeasibleTolerance::TooClose(_) => return Ok(1.0),
                     obstacle => return Err(obstacle),
                 },
             };
-            let Some(allowed) = allowance.at(&found.place).filter(|_| !found.is_met) else { return Ok(1.0) };
+            let Some(allowed) = allowance.at(&leaf_bound.place).filter(|_| !leaf_bound.is_met) else {
+                return Ok(1.0);
+            };
             if matches!(cell.shape, LoopCellShape::Extraordinary(_)) {
                 return Ok(1.0);
             }
@@ -140,13 +142,17 @@ impl<'a> LoopMesher<'a> {
             work.certify_new(allowance, self.job)?;
             self.job.report(Progress {
                 stage: "tessellate",
-                done: work.leaves.iter().filter(|(_, found)| found.is_some_and(|found| found.is_met)).count()
-                    as u64,
+                done: work
+                    .leaves
+                    .iter()
+                    .filter(|(_, leaf_bound)| leaf_bound.is_some_and(|leaf_bound| leaf_bound.is_met))
+                    .count() as u64,
                 total: work.leaves.len() as u64,
             });
             let marked = work.sides_to_split(allowance);
             if marked.is_empty() {
-                let leaves = work.leaves.into_iter().filter_map(|(leaf, found)| Some((leaf, found?)));
+                let leaves =
+                    work.leaves.into_iter().filter_map(|(leaf, leaf_bound)| Some((leaf, leaf_bound?)));
                 let (cells, vertices) = (work.cells, work.vertices);
                 return Ok(Some(CertifiedLeaves {
                     cells,
@@ -166,7 +172,7 @@ impl<'a> LoopMesher<'a> {
 
 impl CertifiedLeaves<'_> {
     pub(crate) fn bound(&self) -> f64 {
-        self.leaves.iter().fold(0.0, |most, (_, found)| greater(found.bound, most))
+        self.leaves.iter().fold(0.0, |most, (_, leaf_bound)| greater(leaf_bound.bound, most))
     }
 }
 
@@ -189,22 +195,22 @@ impl<'a> LoopRefinement<'a> {
     /// Certifies new leaves.
     fn certify_new(&mut self, allowance: &Allowance, job: &Job) -> Result<(), TessellationFailure> {
         let open: Vec<usize> = (0..self.leaves.len()).filter(|i| self.leaves[*i].1.is_none()).collect();
-        let found = par_map(job, &open, |_, i| {
+        let leaf_bounds = par_map(job, &open, |_, i| {
             let leaf = &self.leaves[*i].0;
             let cell = &self.cells[leaf.cell as usize];
             let is_narrow = leaf.width(cell) < NARROWEST;
             match leaf.certify(cell, &self.vertices, allowance) {
-                Ok(found) if !found.is_met && is_narrow => Err(too_small()),
+                Ok(leaf_bound) if !leaf_bound.is_met && is_narrow => Err(too_small()),
                 Err(refused) => match *refused {
                     // Smaller leaves may be farther from the eye.
-                    (InfeasibleTolerance::TooClose(_), found) if !is_narrow => Ok(found),
+                    (InfeasibleTolerance::TooClose(_), leaf_bound) if !is_narrow => Ok(leaf_bound),
                     (obstacle, _) => Err(refuse_tolerance(obstacle)),
                 },
-                Ok(found) => Ok(found),
+                Ok(leaf_bound) => Ok(leaf_bound),
             }
         });
-        for (i, found) in open.into_iter().zip(found) {
-            self.leaves[i].1 = Some(found?);
+        for (i, leaf_bound) in open.into_iter().zip(leaf_bounds) {
+            self.leaves[i].1 = Some(leaf_bound?);
         }
         Ok(())
     }
@@ -241,6 +247,7 @@ impl<'a> LoopRefinement<'a> {
                 single_sides.push((bends[worst], index, leaf.side(worst)));
             }
         }
+        // A split extraordinary leaf may split a side of the next one, and so on.
         loop {
             let before = marked.len();
             for leaf in &extraordinary {
@@ -296,17 +303,17 @@ impl<'a> LoopRefinement<'a> {
         self.vertices.extend(new_vertices);
         let leaves = std::mem::take(&mut self.leaves);
         self.leaves.reserve(leaves.len() + 2 * marked.len());
-        for (leaf, found) in leaves {
+        for (leaf, leaf_bound) in leaves {
             let new = [0, 1, 2].map(|side| marked.get(&leaf.side(side)).copied());
-            match (new, found) {
-                ([None, None, None], _) => self.leaves.push((leaf, found)),
+            match (new, leaf_bound) {
+                ([None, None, None], _) => self.leaves.push((leaf, leaf_bound)),
                 ([Some(a), Some(b), Some(c)], _)
                     if matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Extraordinary(_)) =>
                 {
                     self.quarter(&leaf, [a, b, c]);
                 }
-                (_, found) => {
-                    let bends = found.map_or([1.0; 3], |found| found.sides);
+                (_, leaf_bound) => {
+                    let bends = leaf_bound.map_or([1.0; 3], |leaf_bound| leaf_bound.sides);
                     self.halve(leaf, new, bends);
                 }
             }
@@ -316,8 +323,9 @@ impl<'a> LoopRefinement<'a> {
     /// Flips diagonals between new leaves of one cell if that brings them nearer to the surface.
     fn flip(&mut self, job: &Job) {
         let mut owners: BTreeMap<[u32; 3], Vec<(usize, usize)>> = BTreeMap::new();
-        for (index, (leaf, found)) in self.leaves.iter().enumerate() {
-            if found.is_none() && matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Polynomial(_))
+        for (index, (leaf, leaf_bound)) in self.leaves.iter().enumerate() {
+            if leaf_bound.is_none()
+                && matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Polynomial(_))
             {
                 let inside = self.interior_line(leaf);
                 for side in (0..3).filter(|side| leaf.lines[*side] == inside) {
@@ -360,7 +368,7 @@ impl<'a> LoopRefinement<'a> {
         };
         let (at, ids) = (one.places, one.vertices);
         let (far, far_id) = (two.places[d], two.vertices[d]);
-        let made = [
+        let flipped = [
             part(
                 [at[a], far, at[c]],
                 [ids[a], far_id, ids[c]],
@@ -376,7 +384,7 @@ impl<'a> LoopRefinement<'a> {
             let [p, q, r] = leaf.places;
             orient2d(p, q, r) == Orientation::Front
         };
-        if !made.iter().all(is_turned) {
+        if !flipped.iter().all(is_turned) {
             return None;
         }
         let worse = |leaves: [&LoopLeaf; 2]| {
@@ -384,8 +392,8 @@ impl<'a> LoopRefinement<'a> {
                 .map(|leaf| leaf.second_derivative_bound(&self.cells[leaf.cell as usize], &self.vertices));
             greater(a, b)
         };
-        let (before, after) = (worse([one, two]), worse([&made[0], &made[1]]));
-        (after < WORTH_A_FLIP * before).then_some((after / before, made))
+        let (before, after) = (worse([one, two]), worse([&flipped[0], &flipped[1]]));
+        (after < WORTH_A_FLIP * before).then_some((after / before, flipped))
     }
 
     fn interior_line(&self, leaf: &LoopLeaf) -> u32 {
