@@ -25,6 +25,8 @@ impl BucketQueue {
 
     #[inline]
     fn bucket_of(cost: f32) -> usize {
+        // The exponent and the first bits of the mantissa: numbers ≥ 0 are in the order of their bits. The
+        // mask drops the sign of −0.
         (cost.to_bits() >> (23 - FINE)) as usize & (BUCKETS - 1)
     }
 
@@ -56,6 +58,7 @@ impl BucketQueue {
                 self.taken += 1;
                 return Some(entry);
             }
+            // Frees its memory.
             *bucket = Vec::new();
             self.taken = 0;
             if self.current + 1 == BUCKETS {

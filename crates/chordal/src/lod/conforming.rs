@@ -237,6 +237,7 @@ impl<'a> InterfaceComplex<'a> {
         for (number, ([mesh, _], faces)) in (0_u32..).zip(&sets) {
             let rows = faces.iter().flat_map(|face| meshes[*mesh as usize].faces()[*face as usize]);
             for vertex in rows.map(|row| vertices[*mesh as usize][row as usize] as usize) {
+                // A position of two interfaces is where they meet.
                 is_fixed[vertex] |= first[vertex] != NONE && first[vertex] != number;
                 first[vertex] = number;
             }
@@ -288,6 +289,7 @@ impl<'a> InterfaceComplex<'a> {
         while let Some(last) = lengths.last().filter(|last| **last < extent && n_before > most) {
             lengths.push(lesser(FACTOR * last, extent));
         }
+        // An interface without a share would be simplified for lengths that the others do not need.
         let share = FEW * most as f64 / n_before as f64;
         let counts = par_map(job, &self.interfaces, |_, interface| {
             interface.counts(&lengths, share * interface.mesh.faces().len() as f64, job)
@@ -311,6 +313,7 @@ impl<'a> InterfaceComplex<'a> {
             .map(|at| after(at) + (part * before(at).saturating_sub(after(at)) as f64) as usize)
             .collect();
         // 3. The result within the shortest of a few lengths that reaches these numbers.
+        // Halfway between this length and the one before it, on a logarithmic scale.
         let between = lengths[step] / FACTOR.sqrt();
         let mut fewest: Option<(u64, Vec<SimplifiedInterface>)> = None;
         for length in std::iter::once(&between).chain(&lengths[step..]) {
@@ -341,6 +344,7 @@ impl<'a> InterfaceComplex<'a> {
 
     /// Each mesh, joined from its interfaces.
     fn joined(&self, simplified: &[SimplifiedInterface]) -> Vec<Bounded<Mesh>> {
+        // Entries of earlier meshes are told by their number, so that the list is not cleared between meshes.
         let mut row_of = vec![(NONE, NONE); self.n_vertices];
         let mut with: Vec<Vec<(usize, bool)>> = vec![Vec::new(); self.meshes.len()];
         for (at, Interface { sides: [front, back], .. }) in self.interfaces.iter().enumerate() {
@@ -356,6 +360,7 @@ impl<'a> InterfaceComplex<'a> {
                 let part = &simplified[*at];
                 let mut row = |(vertex, position): (&u32, &[f64; 3])| {
                     let new = positions.len() as u32;
+                    // `NONE` has no entry: such a row is in this interface alone.
                     if let Some(entry) = row_of.get_mut(*vertex as usize) {
                         if entry.0 == mesh as u32 {
                             return entry.1;

@@ -226,6 +226,7 @@ impl EdgeCollapser {
             (CollapseVertexKind::Smooth, CollapseVertexKind::Smooth) => CollapseAnchor::None,
             (CollapseVertexKind::Smooth, _) => CollapseAnchor::End,
             (_, CollapseVertexKind::Smooth) => CollapseAnchor::Start,
+            // Vertices of two feature lines merge only along a line; otherwise the lines would be joined.
             _ if !line => return None,
             (CollapseVertexKind::Feature, CollapseVertexKind::Feature) => CollapseAnchor::None,
             (CollapseVertexKind::Feature, _) => CollapseAnchor::End,
@@ -257,6 +258,7 @@ impl EdgeCollapser {
     fn enqueue(&mut self, h: u32) {
         let twin = self.surface.twin[h as usize];
         if !self.is_queued[h as usize] && (twin == NONE || !self.is_queued[twin as usize]) {
+            // `NONE` is the largest number, so a border edge keeps its only half-edge.
             let h = lesser(twin, h);
             self.is_queued[h as usize] = true;
             self.queue.push_now(h);
@@ -303,6 +305,8 @@ impl EdgeCollapser {
             }
             let h = lesser(twin, h);
             let Some(collapse) = self.collapse_of(h) else { continue };
+            // Costs rise while an edge waits, so its place in the queue may be out of date: it goes back
+            // until its present cost is due.
             if self.queue.is_later(collapse.cost) {
                 self.is_queued[h as usize] = true;
                 self.queue.push(collapse.cost, h);
@@ -314,6 +318,8 @@ impl EdgeCollapser {
                 return false;
             }
             self.monitor.iter_mut().for_each(|monitor| monitor.samples.failed_at_sq = 0.0);
+            // In this order: `flips_no_face` collects the faces that the later tests look at, and attributes
+            // are compared for the samples that the test of the tolerance has assigned to these.
             if until.share.is_none_or(|share| self.is_slight(&collapse, share, until.tolerance))
                 && self.satisfies_link_condition(h)
                 && self.flips_no_face(&collapse)
@@ -322,6 +328,7 @@ impl EdgeCollapser {
             {
                 self.apply(&collapse);
             } else {
+                // Still 0 if it was refused for another reason than a distance.
                 let distance_sq = self.monitor.as_ref().map_or(0.0, |monitor| monitor.samples.failed_at_sq);
                 self.refused_within[h as usize] = distance_sq.sqrt() as f32;
             }
@@ -398,6 +405,7 @@ impl EdgeCollapser {
             let along = difference(y, x);
             let normal = cross(difference(x, old), along);
             let now = cross(difference(x, collapse.to), along);
+            // Squares instead of roots, where the cosine is positive.
             let together = dot(normal, now);
             let (bb, nn) = (dot(normal, normal), dot(now, now));
             // A face without area has no normal to flip.
@@ -438,10 +446,12 @@ impl EdgeCollapser {
         }
         let distance_to = |v: u32| {
             let p = self.at[v as usize];
+            // A triangle with two equal corners is a segment.
             let to = |w: &u32| distance_sq_to_triangle(p, [collapse.to, self.at[*w as usize], collapse.to]);
             let start = difference(p, collapse.to);
             next.iter().map(to).fold(dot(start, start), |least, x| lesser(x, least))
         };
+        // Each end has to be near some part of the new line; the earlier deviation adds to that.
         let step = ends.map(distance_to);
         most + (greater(step[0], step[1])).sqrt()
     }
@@ -482,6 +492,7 @@ impl EdgeCollapser {
         let b = self.carry_out(collapse);
         let first = self.surface.outgoing[b as usize];
         let mut g = first;
+        // Counter-clockwise from the border half-edge, if there is one, so that one pass visits all edges.
         loop {
             self.enqueue(g);
             self.forget_refusals(self.surface.end(g));
@@ -503,6 +514,7 @@ impl EdgeCollapser {
         let h = collapse.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
         self.log.iter_mut().for_each(|log| log.push(PastCollapse { collapse: *collapse, ends: [a, b] }));
+        // Before the surface changes, since the change of the values is found by the faces of the edge.
         if let Some(change) = self.wedge_change(collapse)
             && let Some(wedges) = &mut self.wedges
         {

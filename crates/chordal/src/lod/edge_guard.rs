@@ -66,6 +66,7 @@ impl OriginalEdges {
             let half_edges = (0..surface.start.len() as u32).filter(|h| surface.start[*h as usize] != NONE);
             half_edges.flat_map(|h| {
                 let (u, v) = (surface.start[h as usize], surface.end(h));
+                // An edge with a twin occurs once in each direction, a border edge in one.
                 let back = (surface.twin[h as usize] == NONE).then_some((v, u));
                 std::iter::once((u, v)).chain(back)
             })

@@ -294,8 +294,8 @@ impl ErrorMonitor {
     /// Whether a change keeps the surface close enough to the original, as far as its check level can tell.
     /// The new assignment of the samples is pending until [`SamplesByFace::commit`].
     pub fn allows(&mut self, change: CollapseChange<'_>, tolerance: &LocalTolerance) -> bool {
-        let care = self.check_level(change.before);
-        if care == CheckLevel::Frozen {
+        let level = self.check_level(change.before);
+        if level == CheckLevel::Frozen {
             return false;
         }
         let middle = |[p, x, _]: [[f64; 3]; 3]| std::array::from_fn(|k| 0.5 * (p[k] + x[k]));
@@ -318,12 +318,12 @@ impl ErrorMonitor {
                         && self.proves_along_edges(change, tolerance)
                 }
             };
-        let is_close = match care {
+        let needs_proof = match level {
             CheckLevel::Sampled => false,
             CheckLevel::ProvedFrom(cost) => change.cost >= cost,
             CheckLevel::Proved | CheckLevel::Frozen => true,
         };
-        quick && (!is_close || self.proves(change, tolerance))
+        quick && (!needs_proof || self.proves(change, tolerance))
     }
 
     /// Whether edges of the original stay close to the faces around a change; those that do not are collected
@@ -349,6 +349,7 @@ impl ErrorMonitor {
                 *best = (d, v);
             }
         };
+        // Only vertices of the original have neighbours to go on to.
         for face in held_by {
             let some = self.samples.of_face(*face).filter(|v| *v < n).take(SOME);
             some.for_each(|v| offer(&mut best, v));
@@ -368,6 +369,7 @@ impl ErrorMonitor {
             if tolerance.holds(q, distance_sq) {
                 return true;
             }
+            // The nearest point of the original may be inside of a face at the nearest vertex.
             for k in self.first[v as usize]..self.first[v as usize + 1] {
                 let face = self.corners[self.faces_at_vertices[k as usize] as usize];
                 let d = distance_sq_to_triangle(q, face.map(|v| self.samples.at(v)));
@@ -376,6 +378,7 @@ impl ErrorMonitor {
                 }
             }
         }
+        // A descent may end at the wrong part of the surface; only the search of all faces refuses.
         tolerance.holds(q, self.original.distance_sq(q))
     }
 
@@ -453,6 +456,7 @@ impl ErrorMonitor {
         let mut local: Option<ProximityChecker<'static>> = None;
         for face in &self.suspects {
             let face = *face as usize;
+            // Faces around several vertices are listed more than once.
             if std::mem::replace(&mut self.visited[face], self.round) == self.round {
                 continue;
             }
@@ -481,6 +485,7 @@ impl ErrorMonitor {
         let n = self.first.len() - 1;
         let mut held: Vec<u32> = region.faces.iter().flat_map(|face| self.samples.of_face(*face)).collect();
         held.sort_unstable();
+        // Vertices of the original are the first samples.
         let n_held = held.partition_point(|sample| (*sample as usize) < n);
         let around = |v: u32| {
             &self.faces_at_vertices[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
@@ -488,6 +493,7 @@ impl ErrorMonitor {
         let mut faces: Vec<u32> = held[..n_held].iter().flat_map(|v| around(*v)).copied().collect();
         faces.sort_unstable();
         faces.dedup();
+        // The other corners of these faces come along, so that their triangles are known.
         let mut samples: Vec<u32> = faces.iter().flat_map(|face| self.corners[*face as usize]).collect();
         samples.extend(&held);
         samples.sort_unstable();
@@ -527,6 +533,7 @@ impl ErrorMonitor {
 /// left out.
 fn faces_by_vertex(corners: &[[u32; 3]], n_vertices: usize) -> (Arc<[u32]>, Arc<[u32]>) {
     let mut first = vec![0_u32; n_vertices + 1];
+    // A counting sort by vertex.
     let corners_of_faces = || corners.iter().enumerate().filter(|(_, c)| c[0] != NONE);
     corners_of_faces().for_each(|(_, c)| c.iter().for_each(|v| first[*v as usize + 1] += 1));
     for v in 0..n_vertices {

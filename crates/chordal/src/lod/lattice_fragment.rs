@@ -211,6 +211,7 @@ impl Cutter {
             let mut halves: [Vec<u32>; 2] = [Vec::with_capacity(4), Vec::with_capacity(4)];
             for k in 0..3 {
                 let next = (k + 1) % 3;
+                // Corners on the plane belong to both halves.
                 if beyond[k] <= 0 {
                     halves[0].push(face[k]);
                 }
@@ -218,6 +219,7 @@ impl Cutter {
                     halves[1].push(face[k]);
                 }
                 if beyond[k].signum() * beyond[next].signum() < 0 {
+                    // By the ends in ascending order, so that both triangles of an edge get the same vertex.
                     let [a, b] = [face[k], face[next]];
                     let edge = if a < b { (a, b) } else { (b, a) };
                     let positions = &mut self.positions;
@@ -229,6 +231,7 @@ impl Cutter {
                 }
             }
             for half in halves {
+                // A half is convex, so that a fan around any corner covers it.
                 for k in 2..half.len() {
                     faces.push([half[0], half[k - 1], half[k]]);
                 }

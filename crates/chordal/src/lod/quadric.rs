@@ -70,6 +70,7 @@ impl Quadric {
     /// The value at a point, never below 0.
     #[inline]
     pub fn at(&self, p: [f64; 3]) -> f64 {
+        // p·A·p + 2 b·p + c = (A·p + b)·p + b·p + c, which rounding may make negative.
         let g = self.half_gradient(p);
         let value = dot(g, p) + dot(self.b, p) + self.c;
         greater(value, 0.0)

@@ -263,11 +263,11 @@ impl<'a> MeshReduction<'a> {
         more: impl Fn(CheckLevel, f32) -> CheckLevel,
     ) {
         let (Some(watch), Some(then)) = (&mut self.engine.monitor, &failed.monitor) else { return };
-        let had = then.all_check_levels();
-        let mut care = had.clone();
+        let earlier = then.all_check_levels();
+        let mut levels = earlier.clone();
         let mut mark = |sample: u32, cost: f32| {
-            let level = &mut care[sample as usize];
-            *level = level.stricter(more(had[sample as usize], cost));
+            let level = &mut levels[sample as usize];
+            *level = level.stricter(more(earlier[sample as usize], cost));
         };
         let cost_of = |face: u32| failed.face_cost[face as usize];
         for far in &report.violations[0] {
@@ -286,7 +286,7 @@ impl<'a> MeshReduction<'a> {
             let near = then.samples_near(&failed.surface, face);
             near.into_iter().for_each(|sample| mark(sample, cost_of(face)));
         }
-        watch.check_levels = care;
+        watch.check_levels = levels;
     }
 
     /// A fraction of the world limit, in local coordinates.
@@ -377,6 +377,7 @@ impl<'a> MeshReduction<'a> {
         tolerance: &LocalTolerance,
         job: &Job,
     ) -> Result<Result<(), Vec<u32>>, JobError> {
+        // Without its monitor the engine checks no distances.
         let Some(mut monitor) = self.engine.monitor.take() else { return Ok(Ok(())) };
         let EdgeCollapser { is_held, merged_into, .. } = &mut self.engine;
         is_held.fill(false);
@@ -434,6 +435,7 @@ impl<'a> MeshReduction<'a> {
         for v in faces.iter().flat_map(|face| engine.surface.corners(*face)).filter(tied) {
             dust.remove(&sets.find(v));
         }
+        // Nothing would be left.
         if dust.is_empty() || dust.len() == bounds.len() {
             return Ok(());
         }
@@ -458,6 +460,7 @@ impl<'a> MeshReduction<'a> {
                 .monitor
                 .as_ref()
                 .is_some_and(|watch| watch.check_level(&[*face]) != CheckLevel::Sampled);
+            // Points come first, since they cost less than the proof of the whole face.
             *is_near = *is_near && !closely && points.all(|p| tolerance.holds(p, others.distance_sq(p)));
             *is_near = *is_near && others.is_within(corners.map(|v| engine.at[v as usize]), tolerance);
         }
@@ -519,6 +522,7 @@ fn vertex_kinds(surface: &HalfEdgeSurface, is_line: &[bool], is_tied: &[bool]) -
         let lines =
             surface.one_ring(v).filter(|h| surface.twin[*h as usize] != NONE && is_line[*h as usize]).count();
         let borders = if surface.is_border(v) { 2 } else { 0 };
+        // Two lines at a vertex are one that passes it; one ends there, and more meet there.
         match lines + borders {
             0 => CollapseVertexKind::Smooth,
             2 => CollapseVertexKind::Feature,

@@ -54,6 +54,8 @@ impl Prism {
         let normal = cross(ab, ac);
         let square = dot(normal, normal);
         let longest = greater(greater(dot(ab, ab), dot(ac, ac)), dot(bc, bc));
+        // For a needle everything below becomes NaN, so that all comparisons are false and no point is above
+        // it.
         let by = if square > NEEDLE * longest * longest { 1.0 / square.sqrt() } else { f64::NAN };
         let normal = normal.map(|x| x * by);
         let side = |from: [f64; 3], along: [f64; 3]| {
@@ -215,6 +217,8 @@ impl SamplesByFace {
                             *best = (d, *face);
                         }
                     };
+                    // Points beside the prisms need true distances: first from the own triangle, then from
+                    // the others.
                     own_triangle.into_iter().for_each(|own_triangle| offer(&mut best, &new[own_triangle]));
                     if !tolerance.holds_sample(sample, best.0 * NEAR) {
                         new.iter().filter(|(f, _)| *f != face).for_each(|new| offer(&mut best, new));

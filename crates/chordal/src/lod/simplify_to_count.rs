@@ -191,6 +191,7 @@ impl<'a> CountTarget<'a> {
     /// The result within a length that rises until few enough triangles are left.
     fn by_length(&self, mut start: MeshReduction<'a>) -> Result<Bounded<SimplifiedMesh>, JobError> {
         let (cheapest, mean) = self.by_cost(start.clone())?;
+        // The error of the cheapest result is a limit: within a longer length there is nothing to gain.
         let enough = cheapest.bound.at_most().unwrap_or(f64::INFINITY);
         let flat = self.share_of_diagonal(FLAT);
         let is_known = mean > self.share_of_diagonal(MEAN_DISTANCE_ROUNDING);
@@ -272,6 +273,7 @@ impl<'a> CountTarget<'a> {
                 continue;
             }
             *length = longer;
+            // The power with which the number fell in this step.
             power = within(libm::log(step) / libm::log(n / n_left as f64), POWERS);
         }
         Ok(true)

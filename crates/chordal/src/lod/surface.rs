@@ -68,6 +68,7 @@ impl HalfEdgeSurface {
         let mut fans = DisjointSets::new(n);
         for h in 0..n as u32 {
             if start[h as usize] != NONE && twin[h as usize] != NONE {
+                // The corner across an outgoing half-edge is the start of the one after its twin.
                 fans.union(h, next_in_face(twin[h as usize]));
             }
         }
@@ -96,6 +97,7 @@ impl HalfEdgeSurface {
             }
             let v = vertex_of[root];
             surface.start[h as usize] = v;
+            // At a border the outgoing half-edge has to be the one on it.
             if surface.twin[h as usize] == NONE {
                 surface.outgoing[v as usize] = h;
             }
@@ -128,6 +130,10 @@ impl HalfEdgeSurface {
         let across = self.twin[h as usize];
         let [a, b] = [self.start[h as usize], self.end(h)].map(|v| self.outgoing[v as usize]);
         let after = |side: u32| self.twin[previous_in_face(side) as usize];
+        //   after(h) \   / at_end          h runs from a to b, with its face above and the face of `across` below.
+        //             a→b                  Around the vertex that they become, the half-edges at a run from after(h)
+        //   at_start /   \ after(across)   to at_start, and those at b from after(across) to at_end.
+        //
         // Up to a given half-edge, exclusive, or to the border.
         let runs = if across == NONE {
             [(b, next_in_face(h)), (after(h), NONE), (NONE, NONE)]
@@ -197,6 +203,7 @@ impl HalfEdgeSurface {
             keep = self.twin[previous_in_face(across) as usize];
         }
         let first = self.outgoing[a as usize];
+        // From the border half-edge, if there is one, so that one direction visits the whole fan.
         let mut fan = first;
         while fan != NONE {
             self.start[fan as usize] = b;
@@ -315,11 +322,13 @@ impl RegionNumbers {
     /// Calls `work` with a table in which each member has its index among the members, and all other numbers
     /// have [`NONE`].
     pub fn of<T>(&self, members: &[u32], work: impl FnOnce(&[u32]) -> T) -> T {
+        // The lock is held only to take a table and to return it.
         let free = || self.free.lock().unwrap_or_else(PoisonError::into_inner);
         let free_table = free().pop();
         let mut table = free_table.unwrap_or_else(|| vec![NONE; self.size]);
         members.iter().zip(0..).for_each(|(member, index)| table[*member as usize] = index);
         let result = work(&table);
+        // Only the members are reset, since the table is as large as the whole surface.
         members.iter().for_each(|member| table[*member as usize] = NONE);
         free().push(table);
         result

@@ -263,6 +263,7 @@ impl<'a> TileTreeBuilder<'a> {
         parents.sort_unstable();
         parents.dedup();
         let mut tried: Vec<usize> = self.coarsest.keys().copied().collect();
+        // Merged regions are tried first: a half that is merged now needs no tile of its own.
         for (parent, fewer) in parents.iter().zip(self.input.simplify_regions(&parents, length)?) {
             let Some(first) = self.input.regions.regions[*parent].halves else { continue };
             let n = fewer.as_ref().map_or(usize::MAX, |fewer| fewer.shape.mesh.faces().len());

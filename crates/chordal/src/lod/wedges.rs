@@ -88,6 +88,7 @@ impl Wedges {
             if t == NONE || t < h {
                 continue;
             }
+            // The corners on both sides of the edge: a and b at its start, c and d at its end.
             let [a, b, c, d] =
                 [h, next_in_face(t), next_in_face(h), t].map(|corner| wedges.corner_row[corner as usize]);
             if wedges.jumps([a, b], crease) || wedges.jumps([c, d], crease) {
@@ -213,6 +214,7 @@ impl Wedges {
             }
             for span in self.spans.clone() {
                 if span.blending == WedgeBlending::Direction {
+                    // The fourth number of a tangent is a sign, which has no sum.
                     for k in 0..lesser(span.width, 3) {
                         let more = self.values[wedge as usize * self.width + span.from + k];
                         self.values[root as usize * self.width + span.from + k] += more;
@@ -223,6 +225,7 @@ impl Wedges {
         for wedge in &mut self.corner_row {
             *wedge = sets.find(*wedge);
         }
+        // After all sums, since a root may get more parts.
         for wedge in 0..(self.values.len() / self.width) as u32 {
             if sets.find(wedge) == wedge {
                 self.normalize_directions(wedge);
@@ -252,6 +255,7 @@ impl Wedges {
             for (k, value) in blended.iter_mut().enumerate().skip(span.from).take(span.width) {
                 *value = match (span.blending, heaviest) {
                     (WedgeBlending::Heaviest, Some((wedge, _))) => self.row(*wedge)[k],
+                    // The sign of a tangent is not blended either.
                     (WedgeBlending::Direction, Some((wedge, _))) if k == span.from + 3 => self.row(*wedge)[k],
                     _ => {
                         let values = || parts.iter().map(|(wedge, _)| self.row(*wedge)[k]);

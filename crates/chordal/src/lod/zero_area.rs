@@ -59,6 +59,7 @@ impl<'a> ZeroAreaFaces<'a> {
         // 1. The faces that are farther than the length, or possibly so.
         let (mut far, mut pixels) = (Vec::new(), 0.0);
         if let Some(within) = within {
+            // The faces of the rest are in both meshes, so only those behind them can be far.
             let report = tolerance_violations(&self.joined(&mesh, &self.aside), &mesh, within, job)?;
             let faces = report.violations[0].iter().filter_map(|far| far.face.checked_sub(n_rest));
             far = faces.map(|face| self.aside[face as usize]).collect();

@@ -16,6 +16,8 @@ impl EdgeCollapser {
         let s = &self.surface;
         let (a, b) = (s.start[h as usize], s.end(h));
         let across = s.twin[h as usize];
+        // An edge across the surface between two points of a border would become a point at which two parts
+        // only touch.
         if across != NONE && s.is_border(a) && s.is_border(b) {
             return false;
         }
@@ -76,6 +78,7 @@ impl EdgeCollapser {
             return false;
         }
         let apex = self.surface.start[previous as usize];
+        // The apex loses one face, and with it one neighbour.
         let needed = if self.surface.is_border(apex) { 2 } else { 4 };
         self.surface.one_ring(apex).take(needed).count() == needed
     }

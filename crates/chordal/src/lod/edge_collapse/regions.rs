@@ -35,6 +35,7 @@ impl CollapseRegions {
             std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0)
         };
         let centres: Vec<[f64; 3]> = (0..(surface.start.len() / 3) as u32)
+            // Removed faces are in no region, so any centre will do.
             .map(|face| if surface.corners(face)[0] == NONE { [0.0; 3] } else { middle(face) })
             .collect();
         let mut open = vec![surface.faces()];
@@ -47,6 +48,7 @@ impl CollapseRegions {
                 let second_half = region.split_off(middle);
                 open.extend([second_half, region]);
             } else {
+                // Ascending, since `put_back` searches in it.
                 region.sort_unstable();
                 faces.push(region);
             }
@@ -112,11 +114,13 @@ impl EdgeCollapser {
         };
         let mut holders: Vec<u32> =
             self.monitor.as_ref().map_or_else(Vec::new, |monitor| monitor.samples.holders().collect());
+        // In the order of the regions, whatever thread has finished first.
         for region in collapsed {
             region.holders.iter().for_each(|(sample, face)| holders[*sample as usize] = *face);
             self.put_back(region);
         }
         self.monitor.iter_mut().for_each(|monitor| monitor.samples.assign(&holders));
+        // Only edges at the vertices that were fixed until now are still open.
         self.enqueue_around(&is_between);
         self.empty_queue(until, job)
     }
@@ -156,6 +160,7 @@ impl EdgeCollapser {
 impl RegionCollapser {
     fn new(engine: &EdgeCollapser, (faces, numbers): (&[u32], &RegionNumbers), is_between: &[bool]) -> Self {
         let (surface, region) = engine.surface.region(faces, numbers);
+        // Fans at one position are found by its number in the whole mesh.
         let n_visited = if engine.has_fans { engine.visited.len() } else { region.vertices.len() };
         let (wedges, rows) = engine.wedges.as_ref().map(|wedges| wedges.region(&region)).unzip();
         let (monitor, samples) =
@@ -172,6 +177,7 @@ impl RegionCollapser {
             is_line: half_edges().map(|h| engine.is_line[h]).collect(),
             monitor,
             wedges,
+            // A surface with a guard is not divided.
             attribute_guard: None,
             is_original: vertices().map(|v| engine.is_original[v]).collect(),
             feature_deviation: vertices().map(|v| engine.feature_deviation[v]).collect(),
@@ -243,6 +249,7 @@ impl HalfEdgeSurface {
             let twin = region.half_edges().map(|h| half_edge(self.twin[h as usize])).collect();
             (twin, region.vertices.iter().map(|v| half_edge(self.outgoing[*v as usize])).collect())
         });
+        // Where a region ends, a vertex gets a border: its outgoing half-edge has to be the one on it.
         for (h, v) in (0..).zip(&start) {
             let out = &mut outgoing[*v as usize];
             if twin[h as usize] == NONE && (*out == NONE || twin[*out as usize] != NONE) {
@@ -260,6 +267,8 @@ impl HalfEdgeSurface {
             let twin = self.twin[h as usize];
             if collapsed.twin[local] != NONE {
                 self.twin[h as usize] = region.half_edge(collapsed.twin[local]);
+            // Without a twin in the region, the old twin stays if it is in another region. It is lost if the
+            // face was removed, or if the twin was in this region, too.
             } else if twin != NONE && (collapsed.start[local] == NONE || is_inside(twin)) {
                 self.twin[h as usize] = NONE;
             }

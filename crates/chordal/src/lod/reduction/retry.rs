@@ -69,6 +69,7 @@ impl<'a> MeshReduction<'a> {
         let is_same: Vec<bool> = (0..(now.surface.start.len() / 3) as u32)
             .map(|face| {
                 let corners = now.surface.corners(face);
+                // A vertex may have been moved elsewhere, although it has the same number.
                 let is_at = |v: u32| now.at[v as usize] == failed.at[v as usize];
                 corners[0] != NONE
                     && corners == failed.surface.corners(face)
