@@ -110,6 +110,7 @@ fn last_uses(terms: &[Term], outputs: &[u32]) -> Vec<u32> {
     for output in outputs {
         last[*output as usize] = terms.len() as u32;
     }
+    // From the last term on, so that the first use that is found is the last one.
     for (k, term) in terms.iter().enumerate().rev() {
         if last[k] == NOWHERE {
             continue;
@@ -202,6 +203,7 @@ fn box_distance_operands(terms: &[Term], term: &Term) -> Option<Operands> {
     let mut open = vec![largest];
     while let Some(term) = open.pop() {
         match terms[term as usize] {
+            // A side may be a maximum itself, which is not opened.
             Term::Binary(Binary::Max, a, b) if !sides.into_iter().any(|side| side == term) => {
                 open.extend([a, b]);
             }
@@ -257,6 +259,8 @@ impl ProgramBuilder<'_> {
                 _ => step(Opcode::Binary(*op), self.operand(*a), self.operand(*b), 0.0),
             },
         };
+        // Released first, so that the result may take the register of an operand: the interpreter stores it
+        // by a swap.
         for part in operands(self.terms, term) {
             self.release(part, k);
         }

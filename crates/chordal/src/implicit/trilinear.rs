@@ -154,6 +154,7 @@ impl<G: SampleGrid> Trilinear<G> {
     fn split(&self, axis: usize, index: f64) -> (usize, f64) {
         let last = (self.grid.size()[axis] - 1) as f64;
         let clamped = if index > 0.0 { lesser(index, last) } else { 0.0 };
+        // The last sample is the end of the last cell, with a fraction of 1.
         let low = (clamped.floor() as usize).min(self.grid.size()[axis].saturating_sub(2));
         (low, clamped - low as f64)
     }
@@ -343,6 +344,7 @@ fn cell_fractions(indices: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
         if !part.is_empty() {
             part
         } else if indices[k].hi() < low[k] as f64 + 0.5 {
+            // Rounding may leave the cell just beyond the range: then its nearer end counts.
             Interval::point(0.0)
         } else {
             Interval::point(1.0)
@@ -446,6 +448,7 @@ fn levels<G: SampleGrid>(grid: &G) -> Vec<MinMaxLevel> {
     let first = all(blocks).map(|block| {
         let mut range = Interval::EMPTY;
         let mut is_finite = true;
+        // Blocks share the samples at their border.
         let span = |k: usize| block[k] * BLOCK..=((block[k] + 1) * BLOCK).min(size[k] - 1);
         for k in span(2) {
             for j in span(1) {

@@ -130,9 +130,9 @@ impl HalfEdgeSurface {
         let across = self.twin[h as usize];
         let [a, b] = [self.start[h as usize], self.end(h)].map(|v| self.outgoing[v as usize]);
         let after = |side: u32| self.twin[previous_in_face(side) as usize];
-        //   after(h) \   / at_end          h runs from a to b, with its face above and the face of `across` below.
-        //             a→b                  Around the vertex that they become, the half-edges at a run from after(h)
-        //   at_start /   \ after(across)   to at_start, and those at b from after(across) to at_end.
+        //   after(h) \   / at_end          h runs from a to b; its own face is above it. The half-edges at a
+        //             a→b                  run from after(h) to at_start, those at b from after(across) to
+        //   at_start /   \ after(across)   at_end.
         //
         // Up to a given half-edge, exclusive, or to the border.
         let runs = if across == NONE {

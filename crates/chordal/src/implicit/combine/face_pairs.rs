@@ -102,6 +102,7 @@ impl FacePairs<'_> {
         let Some((choice, is_first)) = choice else { return self.pair(a, b) };
         self.left -= 1;
         let below = below_max || !choice.is_min;
+        // Only the outermost maximum has a group.
         let opens_group = !choice.is_min && self.groups.is_none();
         if opens_group {
             self.groups = Some([a, b].map(planes_of_maximum));

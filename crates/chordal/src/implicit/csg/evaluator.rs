@@ -304,6 +304,7 @@ impl<'a> PrimitiveEvaluator<'a> {
         let mut is_known = vec![false; queries.len()];
         for (batch, answers_of_batch) in batches.iter().zip(batch_answers) {
             for (row, answer) in batch.rows.iter().zip(answers_of_batch?) {
+                // Several branches may answer one query: their hull holds.
                 let hull = &mut answers[start + *row as usize];
                 *hull = if is_known[*row as usize] { hull.hull(answer) } else { answer };
                 is_known[*row as usize] = true;
@@ -383,6 +384,7 @@ impl<'a> PrimitiveEvaluator<'a> {
                     octant.map_or(&mut rows_here, |octant| &mut parts[octant]).push(row);
                 }
                 for (octant, rows) in parts.into_iter().enumerate() {
+                    // A region that exists is used for few queries, too.
                     let exists = region.children[octant].is_some();
                     if exists || rows.len() >= WORTH && self.steps_left > region.tape.len() as u64 {
                         below.push((number, octant, rows));
@@ -394,6 +396,7 @@ impl<'a> PrimitiveEvaluator<'a> {
             }
             let children = self.children(primitive, &below)?;
             open = children.into_iter().zip(below).map(|(child, (_, _, rows))| (child, rows)).collect();
+            // Regions that exist may have got no query.
             open.retain(|(_, rows)| !rows.is_empty());
         }
         Ok(())
@@ -413,6 +416,7 @@ impl<'a> PrimitiveEvaluator<'a> {
             .collect();
         let children =
             par_map(self.job, &new, |_, (parent, octant)| regions[*parent as usize].child(*octant));
+        // In the order of the requests, so that the numbers of regions do not depend on threads.
         for ((parent, octant), child) in new.iter().zip(children) {
             let child = child?;
             self.steps_left = self.steps_left.saturating_sub(child.tape.len() as u64);

@@ -61,6 +61,7 @@ type LevelKey = (LevelFunction, i64);
 /// An integer that orders like the number, for all finite numbers.
 fn order_key(at: f64) -> i64 {
     let bits = at.to_bits().cast_signed();
+    // The bits of negative numbers grow with their size, so all bits but the sign are inverted.
     bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 
@@ -202,6 +203,7 @@ impl LevelTable {
     /// The primitive of the same level, or, for planes, of one that differs from it only by rounding.
     pub fn same(&self, level: &LevelSet) -> Option<SameLevel> {
         let key = (level.base, order_key(level.at));
+        // If some known level is near enough, so is the next one on its side.
         let next = self.levels.range(key..).next();
         let last = self.levels.range(..key).next_back();
         let is_same = |known: &LevelSet| {

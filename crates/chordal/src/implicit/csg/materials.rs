@@ -103,6 +103,7 @@ impl NodeAtFace {
 
     fn joined(operands: &[Self], is_union: bool) -> Self {
         let sides = [0, 1].map(|k| joined(operands.iter().map(|operand| operand.sides[k]), is_union));
+        // With the same side below and above there is no face.
         let decided = sides[0] != Membership::Unknown && sides[0] == sides[1];
         let volume = Self::volume(operands, is_union);
         let mut face = MaterialChoice::Never;
@@ -114,6 +115,7 @@ impl NodeAtFace {
                 other => other,
             };
             face = face.or(material);
+            // Until an operand certainly creates the face, any of them may.
             if operand.makes_face() {
                 break;
             }
@@ -296,6 +298,7 @@ impl MaterialsBuilder {
         let mut open = vec![TermOfBlend { term: root, scale: 1.0, falls, is_part: false }];
         while let Some(next) = open.pop() {
             let TermOfBlend { term, scale, falls, is_part } = next;
+            // A term may be reached as a part of the blend, and again as one that only shapes it.
             if constant(term).is_some() || !seen.insert((term, is_part)) {
                 continue;
             }
@@ -318,6 +321,7 @@ impl MaterialsBuilder {
                 Term::Unary(Unary::Neg, a) => open.push(TermOfBlend { term: a, ..times(-1.0) }),
                 Term::Binary(Binary::Mul, a, b) if constant(a).or(constant(b)).is_some() => {
                     let k = constant(a).or(constant(b)).unwrap_or(1.0);
+                    // The constant itself is skipped above.
                     open.extend([b, a].map(|term| TermOfBlend { term, ..times(k) }));
                 }
                 Term::Binary(Binary::Div, a, b) => {

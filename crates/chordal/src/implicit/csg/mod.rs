@@ -257,6 +257,7 @@ impl<'a> CsgBuilder<'a> {
                         let n = operands.len() as u32;
                         let node = if is_union { CsgNode::Union(n) } else { CsgNode::Intersection(n) };
                         steps.push(CsgBuildStep::Emit(node));
+                        // In reverse, so that the operands leave the stack in their order.
                         steps.extend(operands.into_iter().rev().map(CsgBuildStep::Visit));
                     }
                     None => {
@@ -317,10 +318,12 @@ impl<'a> CsgBuilder<'a> {
         loop {
             let (op, term) = match self.terms[operand.term as usize] {
                 Term::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
+                    // Below an operation that falls, a minimum becomes a maximum.
                     let is_union = (op == Binary::Min) != operand.falls;
                     return Some(([a, b].map(|term| CsgOperand { term, ..operand }), is_union));
                 }
                 Term::Unary(Unary::Abs, a) => {
+                    // |a| is the maximum of a and −a.
                     let mirrored = CsgOperand {
                         above: self.push(MonotoneOp::Neg, operand.above),
                         falls: !operand.falls,
@@ -363,6 +366,7 @@ impl<'a> CsgBuilder<'a> {
             (Binary::Add, None, Some(k)) => Some((MonotoneOp::Add(k), a)),
             (Binary::Sub, Some(k), None) => Some((MonotoneOp::From(k), b)),
             (Binary::Sub, None, Some(k)) => Some((MonotoneOp::Add(-k), a)),
+            // A factor of 0 would keep no sign.
             (Binary::Mul, Some(k), None) if k != 0.0 => Some((MonotoneOp::Mul(k), b)),
             (Binary::Mul, None, Some(k)) if k != 0.0 => Some((MonotoneOp::Mul(k), a)),
             (Binary::Div, None, Some(k)) if k != 0.0 => Some((MonotoneOp::Div(k), a)),
@@ -435,6 +439,7 @@ impl<'a> CsgBuilder<'a> {
             });
             falls ^= op.falls();
         }
+        // From the outermost operation on, since a chain grows at its inner end.
         let chain = plain.into_iter().rev().fold(NOTHING, |next, op| self.push(op, next));
         ((base, chain), falls)
     }
@@ -446,6 +451,7 @@ impl<'a> CsgBuilder<'a> {
             ops.push(op);
             base = unmarked(self.terms, term);
         }
+        // Collected from the top down, but a chain runs upward.
         ops.reverse();
         let mut above = operand.above;
         while above != NOTHING {

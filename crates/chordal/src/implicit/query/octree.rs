@@ -280,6 +280,7 @@ impl FieldOctree {
             let this = &*self;
             let results = par_map(job, &chunks, |_, chunk| this.classify(chunk, bounds, level));
             let mut next = Vec::new();
+            // In the order of the parts, so that numbers do not depend on threads.
             for (chunk, classes) in chunks.iter().zip(results) {
                 for (octant, class) in chunk.iter().zip(classes?) {
                     self.insert(octant, class, level == LAST || many, &mut next);
@@ -502,6 +503,7 @@ impl FieldOctree {
         } else {
             value[0] < -reach && self.is_distance_bound[1]
         };
+        // Any number of this sign will do, since only the side is used.
         Ok(if clear { Interval::point(value[0]) } else { range })
     }
 }

@@ -245,6 +245,8 @@ impl BeamMarcher {
         let retreat = greater(reach, floor);
         let long = stride > retreat * 1.000_001; // rounding: a stride equal to the retreat is not long
         if self.crosses(value) {
+            // There may be an earlier root in the part that is not known to be free, so the step is taken
+            // back.
             if long && !sure {
                 return self.step(cells, [retreat, reach], false);
             }
@@ -257,6 +259,7 @@ impl BeamMarcher {
                 .refine_bracket(cells, RootBracket::new([self.t, self.value], [self.t + stride, inside]));
         }
         if !sure && stride > reach {
+            // The length behind the end of the step that is certainly free as well.
             let [_, b] = self.slope;
             let mut back = if b > 0.0 { value / b } else { f64::INFINITY };
             if self.has_distance_bound(cells) && value > back {
@@ -313,6 +316,7 @@ impl BeamMarcher {
             return;
         }
         if b < 0.0 && value.is_finite() {
+            // Falling at least that fast, the value is below 0 at the end of this step.
             let stride = value / -b * (1.0 + WIDTH) + WIDTH * cells.size;
             return self.step(cells, [stride, reach], true);
         }

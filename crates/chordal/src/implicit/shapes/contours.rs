@@ -166,9 +166,11 @@ impl Contours {
     pub(super) fn winding(&self, p: [f64; 2], counts: impl Fn(&ContourEdge) -> bool) -> i32 {
         let mut winding = 0;
         self.descend(
+            // A ray to the right does not meet boxes on the left of the point, above it or below it.
             |node| node.max[0] >= p[0] && node.min[1] <= p[1] && node.max[1] >= p[1],
             |row| {
                 let edge = &self.edges[row as usize];
+                // Half-open, so that a corner at the height of p counts once.
                 let (up, down) = (edge.a[1] <= p[1], edge.b[1] <= p[1]);
                 if up != down && counts(edge) {
                     let side = orient2d(edge.a, edge.b, p);
@@ -229,6 +231,7 @@ impl Contours {
             }
             let children = [at + 1, node.second].map(|child| (self.box_distance_sq(p, child), child));
             let nearer = usize::from(children[1].0 < children[0].0);
+            // The nearer child is on top of the stack, so that it is searched first.
             waiting[height] = children[1 - nearer];
             waiting[height + 1] = children[nearer];
             height += 2;

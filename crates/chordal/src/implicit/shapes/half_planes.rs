@@ -75,6 +75,7 @@ impl PolygonLoop {
         let bends: Vec<bool> = (0..n).map(|k| turn_at(&corners, k) != Orientation::Flat).collect();
         let mut bends = bends.into_iter();
         corners.retain(|_| bends.next() == Some(true));
+        // The lowest corner is on the hull: a loop that turns left there runs counter-clockwise.
         let is_outer = turn_at(&corners, lowest_corner(&corners)) == Orientation::Front;
         Self { corners, is_outer }
     }
@@ -84,6 +85,7 @@ impl PolygonLoop {
         let n = self.corners.len();
         let crosses = |k: &usize| {
             let (a, b) = (self.corners[*k], self.corners[(*k + 1) % n]);
+            // Half-open, so that a corner at the height of p counts once.
             let up = a[1] <= p[1] && b[1] > p[1];
             let down = b[1] <= p[1] && a[1] > p[1];
             up && orient2d(a, b, p) == Orientation::Front || down && orient2d(a, b, p) == Orientation::Back

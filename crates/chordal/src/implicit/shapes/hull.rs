@@ -154,6 +154,7 @@ impl ConvexHull {
     fn add_face(&mut self, points: &[[f64; 3]], [i, j, k]: [usize; 3], face_sets: &mut Vec<u128>) {
         let bits = |k: usize| 1_u128 << k;
         let triple = bits(i) | bits(j) | bits(k);
+        // The three points are of a face that is known already.
         if face_sets.iter().any(|face| face & triple == triple) {
             return;
         }
@@ -239,6 +240,7 @@ fn from_triangle(p: [f64; 3], [a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
         let (along, from) = (minus(b, a), minus(&p, a));
         let t = dot(&from, &along) / square(&along);
         let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
+        // Exactly at the end, without the rounding of a sum.
         if t == 1.0 { minus(&p, b) } else { std::array::from_fn(|k| from[k] - t * along[k]) }
     };
     let (ab, ac, ap) = (minus(b, a), minus(c, a), minus(&p, a));
@@ -246,6 +248,7 @@ fn from_triangle(p: [f64; 3], [a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     let (d20, d21) = (dot(&ap, &ab), dot(&ap, &ac));
     let area = d00 * d11 - d01 * d01;
     let (v, w) = ((d11 * d20 - d01 * d21) / area, (d00 * d21 - d01 * d20) / area);
+    // False for triangles without area, too, of which the sides are left.
     if area > 0.0 && v > 0.0 && w > 0.0 && v + w < 1.0 {
         return std::array::from_fn(|k| ap[k] - v * ab[k] - w * ac[k]);
     }
