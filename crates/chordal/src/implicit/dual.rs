@@ -85,6 +85,7 @@ impl GeneralizedDerivative for f64 {
     fn box_distance_gradient<const N: usize>(mut sides: [Self; N]) -> [Self; N] {
         let mut largest = 0;
         for (k, side) in sides.iter().enumerate() {
+            // Of equal sides the last one, as in a chain of maxima.
             largest = if *side >= sides[largest] { k } else { largest };
         }
         if sides[largest] > 0.0 {
@@ -104,6 +105,7 @@ impl GeneralizedDerivative for f64 {
     }
     #[inline(always)]
     fn integer_quotient_of(a: Self, b: Self, value: Self) -> Self {
+        // An integer, but for the rounding of the value.
         ((a - value) / b).round()
     }
     #[inline(always)]
@@ -177,6 +179,7 @@ impl GeneralizedDerivative for Interval {
     }
     #[inline(always)]
     fn step_derivative(value: Self) -> Self {
+        // With one value there is no jump in the box.
         Self::point(0.0).choose(value.lo() == value.hi(), Self::UNKNOWN)
     }
     #[inline(always)]
@@ -190,6 +193,7 @@ impl GeneralizedDerivative for Interval {
         let condition = condition.bare();
         let (is_zero, never) = ((condition.lo == 0.0) & (condition.hi == 0.0), !condition.has_zero());
         each_axis!(k => {
+            // A choice may jump from one to the other.
             let either = zero[k].hull(other[k]).undefined();
             zero[k].choose(is_zero, other[k].choose(never, either))
         })
@@ -285,6 +289,7 @@ fn partner(op: Unary) -> Unary {
     match op {
         Unary::Sin => Unary::Cos,
         Unary::Cos => Unary::Sin,
+        // The chain rule needs no second value: any cheap operation will do.
         _ => Unary::Neg,
     }
 }
@@ -342,6 +347,7 @@ impl<N: GeneralizedDerivative> Scalar for Dual<N> {
                 N::mean(sub(half, mul(half, div(difference, beside))), da, db)
             }
             Binary::LogSumExp => {
+                // If it overflows, the share is 0, which is its limit.
                 let ratio = N::near(Unary::Exp, sub(b.value, a.value));
                 N::mean(recip(add(N::constant(1.0), ratio)), da, db)
             }

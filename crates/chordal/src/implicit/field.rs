@@ -141,6 +141,7 @@ impl Field {
     /// The same field with its expressions replaced by others of the same values.
     pub(super) fn map_expressions(&self, map: impl Fn(&Expr) -> Expr + Copy) -> Self {
         let expr = map(&self.expr);
+        // A sign that is the value stays so: `has_own_sign` compares addresses.
         let sign = match &self.sign {
             Some(sign) if sign.address() == self.expr.address() => Some(expr.clone()),
             other => other.as_ref().map(map),

@@ -241,6 +241,7 @@ impl GraphBuilder {
         while let Some(part) = open.pop() {
             match &self.terms[part as usize] {
                 Term::Unary(Unary::Exp, log) => logs.push(*log),
+                // The left operand is on top, so that logarithms come in the order of the sum.
                 Term::Binary(Binary::Add, a, b) => open.extend([*b, *a]),
                 _ => return None,
             }

@@ -132,6 +132,7 @@ impl<N: BlockScalar> BlockInterpreter<N> {
             let (spare, number) = (Box::new(N::block()), Box::new(N::block()));
             Box::new(Self { inputs: Vec::new(), registers: Vec::new(), spare, number })
         });
+        // Exactly as many as the program has: operands from there on are registers.
         machine.inputs.resize_with(program.n_inputs, N::block);
         let registers = machine.registers.len().max(program.n_registers);
         machine.registers.resize_with(registers, || Box::new(N::block()));

@@ -160,6 +160,7 @@ fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<OperandChoice> {
     if let Some(root) = silences.last_mut() {
         *root = PruningBounds::NONE;
     }
+    // All uses of a term come after it, so its bounds are final when it is reached.
     for (k, term) in terms.iter().enumerate().rev() {
         let silence = silences[k];
         let mut use_of = |part: &u32, silence: PruningBounds| {
@@ -209,6 +210,7 @@ fn operand_silences(
     match (op, constants) {
         // Strictly beyond: of equal numbers the second is taken, which may be the other zero.
         (Binary::Min, _) => [b, a].map(|other| silence.from(other.hi().next_up())),
+        // max(a, b) = −min(−a, −b).
         (Binary::Max, _) => [b, a].map(|other| silence.mirrored().from((-other.lo()).next_up()).mirrored()),
         // The result is at most the minimum, so values without effect below stay without effect.
         (Binary::SmoothMin | Binary::RoundMin, _) => [b, a]

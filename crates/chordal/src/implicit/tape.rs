@@ -60,6 +60,7 @@ impl EvaluationPlan {
         let order: Vec<u32> = stages.iter().flatten().copied().collect();
         let mut input_of = vec![0_u32; if order.is_empty() { 0 } else { terms.len() }];
         for (column, leaf) in order.iter().enumerate() {
+            // The first three inputs are the coordinates.
             input_of[*leaf as usize] = column as u32 + 3;
         }
         let program = |outputs: &[u32]| {
@@ -150,6 +151,7 @@ impl Tape {
     /// # Errors
     /// When a leaf fails.
     pub fn at_many(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        // A leaf is called once for all points, so these stay together.
         if self.has_leaves() {
             return self.at(points, out);
         }

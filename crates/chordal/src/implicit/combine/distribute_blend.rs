@@ -157,6 +157,7 @@ fn with_constant(expr: &Expr, exact: ExactSign, looks: &mut usize) -> Option<Ext
     let (exact, falls) = match op {
         Binary::Mul if constant != 0.0 => (exact.times(constant), constant < 0.0),
         Binary::Div if constant != 0.0 && !is_first => (exact.times(constant), constant < 0.0),
+        // The sign of a sum depends on its operand's value, not only on its sign.
         Binary::Add => (ExactSign::All, false),
         Binary::Sub => (ExactSign::All, is_first),
         _ => return None,

@@ -146,6 +146,8 @@ impl Field {
         let sign = blended.with_axes([x.clone(), y.clone(), share_of_height(&z)]).max(&cap);
         let near = blended.with_axes([&x * &share, &y * &share, share_of_height(&clamped_z)]);
         let degree = (profiles.len() - 1) as f64;
+        // A Bézier curve's derivative is its degree times a mean of the differences of neighbouring control
+        // points. Across z, the blend is a mean of sections, which has no more slope than these.
         let rise = div_up(mul_up(degree, blend.apart), height);
         let stretch = mul_up(sqrt_up(add_up(1.0, mul_up(rise, rise))), ROUNDED);
         let value = (near / stretch).max(&cap);
@@ -195,6 +197,7 @@ impl LoftBlend {
             let weight = [power(&t, k), power(&complement, n - k)].into_iter().flatten().reduce(|a, b| a * b);
             let weight = weight.unwrap_or_else(|| Expr::constant(1.0));
             let term = section * (weight * choose);
+            // The next binomial coefficient.
             choose = choose * (n - k) as f64 / (k + 1) as f64;
             term
         });

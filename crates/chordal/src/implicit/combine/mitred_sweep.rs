@@ -94,6 +94,7 @@ impl Field {
                 at.push(point);
             }
         }
+        // The end of a closed path may repeat its first point.
         if is_closed && at.len() > 1 && at.first() == at.last() {
             at.pop();
         }
@@ -114,6 +115,7 @@ impl Field {
         let ends = |k: usize| [at[k], at[(k + 1) % n]];
         let directions: Vec<[f64; 3]> = (0..n_pieces).map(|k| direction(ends(k))).collect();
         let joint = |before: usize, after: usize| -> Result<[f64; 3], InvalidShape> {
+            // The sum of two unit vectors halves the angle between them: the normal of the mitre plane.
             let sum: [f64; 3] = std::array::from_fn(|k| directions[before][k] + directions[after][k]);
             if length(sum) < BACK {
                 let point = at[after];
@@ -143,6 +145,7 @@ impl Field {
         if is_closed {
             let back = frame.next(joint(n_pieces - 1, 0)?, directions[0]);
             let first = pieces[0].frame;
+            // A unit vector that is turned by φ moves by 2 sin(φ / 2).
             let turned = greater(length(difference(back.x, first.x)), length(difference(back.y, first.y)));
             if turned > TURNED {
                 return wrong(format!(

@@ -69,6 +69,7 @@ impl Field {
         let n_copies =
             windows.iter().map(|w| w.count.map_or(u64::MAX, u64::from)).fold(1, u64::saturating_mul);
         let n_primitives = Csg::from_expr(self.sign()).primitives().len() as u64;
+        // With as many copies nearby as there are, the sign lists all of them already.
         let union = if n < n_copies && n_copies.saturating_mul(n_primitives) <= MOST_LISTED {
             let listed: Vec<Self> =
                 coordinates_of(&RepeatWindow::all_copies).iter().map(|at| self.at(at)).collect();
@@ -253,6 +254,8 @@ impl RepeatWindow {
             let number = if k == 0 { cell.clone() } else { &cell + k as f64 };
             match self.count {
                 None => number,
+                // Numbers beyond an end become that of the last copy there, which may then occur more than
+                // once.
                 Some(n) => number.max(&0.0.into()).min(&f64::from(n - 1).into()),
             }
         };

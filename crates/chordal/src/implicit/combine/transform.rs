@@ -74,6 +74,7 @@ impl Field {
         let even = sizes.iter().all(|s| *s == smallest);
         let distance = if even { self.distance() } else { bounds_at_most(self.distance()) };
         let scaled = self.at(&at);
+        // All distances grow by the smallest factor at least …
         let value = scaled.expr() * smallest;
         let field = Self::from_parts(value, &[self]).map_sign(&scaled, |sign| sign * smallest);
         let field = field.with_depth(self.depth().is_some());
@@ -83,6 +84,7 @@ impl Field {
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { bounds };
         let factor = |k: usize| std::array::from_fn(|j| if j == k { by[k] } else { 0.0 });
         let field = field.known_construction(if even { self.placed([0, 1, 2].map(factor)) } else { None });
+        // … and by the largest at most.
         let largest = sizes.iter().fold(0.0, |largest, size| greater(*size, largest));
         let field = field.known_slack(self.stretched_slack(largest));
         Ok(field.known_distance(distance).known_bounds(bounds).with_pattern_at(self, &at))
@@ -228,6 +230,7 @@ fn middle(range: Interval) -> f64 {
 fn inverse(rows: [[f64; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
     let m = rows.map(|row| row.map(Interval::point));
     let minor = |i: usize, j: usize| {
+        // With cyclic indices, minors have the signs of cofactors.
         let [a, b] = [(i + 1) % 3, (i + 2) % 3];
         let [c, d] = [(j + 1) % 3, (j + 2) % 3];
         m[a][c] * m[b][d] - m[a][d] * m[b][c]

@@ -188,6 +188,7 @@ impl RoundingMode {
         let mut terms = terms[..=operand as usize].to_vec();
         let mut root = operand;
         if let Self::Remainder(period) = self {
+            // The list ends with the operand, so these are the next two terms.
             terms.extend([Term::Const(period), Term::Binary(Binary::Div, operand, operand + 1)]);
             root = operand + 2;
         }
@@ -204,6 +205,7 @@ impl RoundingMode {
             Self::Up => x.ceil(),
             Self::Nearest => x.round(),
         };
+        // Rounding is monotone, so the ends suffice.
         let ends = [range.lo(), range.hi()].map(rounded);
         let is_exact = ends.iter().all(|x| x.abs() < LEAST_INEXACT);
         if is_exact { ends.map(|x| x as i64) } else { [i64::MIN, i64::MAX] }

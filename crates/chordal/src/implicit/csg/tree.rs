@@ -183,6 +183,7 @@ impl CsgTree {
                     let n_open =
                         stack[first..].iter().filter(|(side, _)| *side == Membership::Unknown).count();
                     stack.truncate(first);
+                    // With one open operand there is no operator: that operand's nodes are the result.
                     if side != Membership::Unknown {
                         nodes.truncate(start);
                     } else if n_open > 1 {

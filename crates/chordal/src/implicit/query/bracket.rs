@@ -43,6 +43,7 @@ impl RootBracket {
         };
         self.steps_left -= 1;
         let share = fa / (fa - fb);
+        // Also if the value outside is NaN or infinite.
         if halve || !(share.is_finite() && (0.0..=1.0).contains(&share)) {
             return a + 0.5 * span;
         }

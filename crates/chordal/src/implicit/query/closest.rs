@@ -87,6 +87,7 @@ impl FieldClosestSearch<'_> {
         let mut at_least = f64::INFINITY;
         for parts in 0.. {
             let Some(Reverse(part)) = open.pop() else { break };
+            // Boxes come in the order of their distance: one that is not near enough ends the search.
             let farthest = best.map_or(f64::INFINITY, |best| best.at_most);
             if part.distance >= farthest * (1.0 - self.within) || parts >= MOST_PARTS {
                 at_least = part.distance;
@@ -210,6 +211,7 @@ impl FieldClosestSearch<'_> {
         let (mut a, mut b) = (inside, outside);
         for _ in 0..HALVINGS {
             let middle: [f64; 3] = std::array::from_fn(|k| a[k] + 0.5 * (b[k] - a[k]));
+            // No point lies between the ends.
             if middle == a || middle == b {
                 break;
             }

@@ -78,6 +78,7 @@ pub fn sphere_trace(tape: &Tape, beam: &Beam, most: usize) -> Result<SphereTrace
             break;
         }
         let next = t + value / unit;
+        // The step is lost in rounding, or the value is NaN.
         if !(next.is_finite() && next > t) {
             break;
         }

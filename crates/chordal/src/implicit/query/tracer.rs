@@ -109,6 +109,7 @@ impl<'a> FieldTracer<'a> {
             walkers.iter().enumerate().map(|(k, walker)| [walker.tape, k as u32]).collect();
         let (mut points, mut values) = (Vec::new(), Vec::new());
         while !live.is_empty() {
+            // With one tape there is nothing to group.
             if self.cells.tapes.len() > 1 {
                 live.sort_unstable();
             }

@@ -54,6 +54,7 @@ impl VoxelGrid {
             let distances = chessboard_distances(&voxels, side, n);
             for (voxel, distance) in voxels.iter_mut().zip(distances) {
                 if *voxel == side && distance > 0 {
+                    // All voxels that are nearer than the distance are on this side as well.
                     *voxel |= u32::from(distance) - 1;
                 }
             }

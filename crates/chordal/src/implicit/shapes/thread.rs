@@ -188,6 +188,7 @@ impl HelixRise {
             || high >= FALL + 0.5 - LEAST;
         let has_top = near(-0.5) || near(0.5);
         let has_bottom = near(FALL - 0.5) || near(FALL + 0.5);
+        // Between its turning points the height is monotone: its extremes are at the ends, or there.
         let ends = [low, high].map(|turns| fold(turns - turns.round()));
         // Derived: some roundings of numbers below 1, times the slope.
         let rounding = LEAST * -steep;
@@ -242,6 +243,7 @@ impl Leaf for HelixRise {
             let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
             let turns = self.turns(*p);
             let slope = side * if turns >= FALL - 0.5 { 1.0 } else { -(1.0 - FALL) / FALL };
+            // Inside the core the height is multiplied by r / core, which cancels the radius.
             let turn = slope * self.pitch / (std::f64::consts::TAU * greater(r, self.core));
             let fades = if r < self.core { (fold(turns) - 0.25) * self.pitch / self.core } else { 0.0 };
             let [cos, sin] = if r > 0.0 { [p[0] / r, p[1] / r] } else { [1.0, 0.0] };
