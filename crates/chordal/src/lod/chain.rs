@@ -163,7 +163,7 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
         let mut error = steps.finest;
         let extent = mesh.bounds().diagonal();
         for _ in 0..MOST_STEPS {
-            // The error that remains beside the source's bound.
+            // The error that remains beside the source's bound; not rounded down if that is 0.
             let remaining_error = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
             let fewer = if remaining_error > 0.0 {
                 progress.simplify_within(&ErrorLimit::uniform(remaining_error), job)?

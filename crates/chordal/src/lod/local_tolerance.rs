@@ -56,6 +56,7 @@ impl LocalTolerance {
     /// Whether a point may be this far from the original; takes the squared distance.
     #[inline]
     pub fn holds(&self, point: [f64; 3], distance_sq: f64) -> bool {
+        // Within the least tolerance the place does not matter.
         distance_sq <= self.least_sq
             || self.varying.as_ref().is_some_and(|by_place| {
                 let length = by_place.length(&Box3 { min: point, max: point });

@@ -54,12 +54,14 @@ impl<'a> RegionTree<'a> {
         let ids = topology.ids(mesh);
         let mut parts =
             Self { mesh, ids, order, regions, face_span: vec![[u32::MAX, 0]; mesh.positions().len()] };
-        for (place, face) in parts.order.iter().enumerate() {
+        // Regions are contiguous in this order, so the first and the last triangle at a position show whether
+        // another region has one there.
+        for (index, face) in parts.order.iter().enumerate() {
             for row in mesh.faces()[*face as usize] {
                 let id = parts.ids.as_ref().map_or(row, |ids| ids[row as usize]);
                 let [first, last] = &mut parts.face_span[id as usize];
-                *first = (*first).min(place as u32);
-                *last = (*last).max(place as u32);
+                *first = (*first).min(index as u32);
+                *last = (*last).max(index as u32);
             }
         }
         parts

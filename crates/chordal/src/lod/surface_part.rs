@@ -95,15 +95,16 @@ impl SurfacePart {
                 let key = keys.next_if(|(shared, _)| *shared == row).map(|(_, key)| *key);
                 if let Some(number) = key.and_then(|key| rows_by_key.get(&key)) {
                     if positions[*number as usize].map(f64::to_bits) != point.map(f64::to_bits) {
-                        let place = key.map(|key| key.lattice).unwrap_or_default();
+                        let lattice = key.map(|key| key.lattice).unwrap_or_default();
                         let message = format!(
-                            "vertices of one key lie apart: these are no parts of one surface ({place:?})"
+                            "vertices of one key lie apart: these are no parts of one surface ({lattice:?})"
                         );
                         return Err(refused(RefusalCode::Unsupported, message));
                     }
                     numbers.push(*number);
                     continue;
                 }
+                // If there are more than an index can number, `Mesh::new` refuses them below.
                 let number = u32::try_from(positions.len()).unwrap_or(NONE);
                 positions.push(*point);
                 for (values, attribute) in values.iter_mut().zip(attributes) {
