@@ -252,6 +252,7 @@ fn simple_loops(path: &[u32]) -> Vec<Vec<u32>> {
     for corner in path {
         if let Some(first) = row_of.get(corner).copied() {
             let cut: Vec<u32> = open_path.drain(first..).collect();
+            // Other loops may come through its corners again.
             cut.iter().for_each(|visited| {
                 row_of.remove(visited);
             });

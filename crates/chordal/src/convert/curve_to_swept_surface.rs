@@ -318,6 +318,7 @@ impl<'a> SweepProof<'a> {
         let (piece, [a, b]) = spline.places[index];
         let path = &self.path[piece];
         let frames = self.frames(spline, index);
+        // The whole piece, without the rounding of a part.
         if [a, b] == [0.0, 1.0] {
             frame_error(path, &frames, spline.spread)
         } else {
@@ -347,6 +348,7 @@ impl<'a> SweepProof<'a> {
                 }
                 // Within a piece of the path the direction does not jump.
                 Some((of, before)) if of != *piece => {
+                    // The factor 8 is derived in `frame_error.rs`, under *Joins*.
                     let jump = turn_between(&before.directions[1], &error.directions[0]);
                     twist = add_up(twist, mul_up(8.0, jump));
                 }
@@ -397,6 +399,8 @@ impl<'a> SweepProof<'a> {
         // Without the rounding that `error_of` adds.
         let remaining = greater(sub_down(tolerance, 64.0 * f64::EPSILON * self.profile.reach), 0.0);
         let closed = if self.framed.is_closed { 2.0 } else { 1.0 };
+        // Half for twists, which add up over all pieces, and half for the other errors, of which the largest
+        // counts.
         let share = 0.5 * remaining / parts.len() as f64;
         let mut twists = vec![0.0; parts.len()];
         let mut errors = vec![0.0; parts.len()];

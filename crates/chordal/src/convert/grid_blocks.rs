@@ -216,9 +216,9 @@ pub fn join_blocks(
             positions.push(here);
             last = Some(entry);
         } else if positions.last().is_some_and(|known| known.map(f64::to_bits) != here.map(f64::to_bits)) {
-            let place = key_of(&entry).lattice;
+            let lattice = key_of(&entry).lattice;
             let message =
-                format!("vertices of one key lie apart: these are no blocks of one volume ({place:?})");
+                format!("vertices of one key lie apart: these are no blocks of one volume ({lattice:?})");
             return Err(refusal(RefusalCode::Unsupported, message));
         }
         // If there are more vertices than an index can number, `Mesh::new` refuses them below.

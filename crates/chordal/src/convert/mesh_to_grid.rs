@@ -147,6 +147,7 @@ impl DistanceBaker {
         let band = band * lattice.spacing();
         let (numbers, stored): (Vec<usize>, AtomicU64) = ((0..lattice.layers()).collect(), AtomicU64::new(0));
         let layers = par_map(job, &numbers, |_, number| {
+            // Too much already: the result is refused below, whatever the other layers are.
             if stored.load(Ordering::Relaxed) > job.memory_limit {
                 return (BrickSlab::from_samples(&[], lattice.size, band), 0);
             }
@@ -230,6 +231,7 @@ impl BrickSampler<'_> {
                 for i in first[0]..end[0] {
                     let i = if back { first[0] + end[0] - 1 - i } else { i };
                     let row = self.lattice.row([i, j, k % BRICK]);
+                    // All samples are beyond the band, on the side of the middle.
                     if is_far && is_closed {
                         self.out[row] = if middle.value() < 0.0 { -self.band } else { self.band };
                         continue;

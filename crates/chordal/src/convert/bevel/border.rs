@@ -73,15 +73,16 @@ impl BorderTree {
             let Some(node) = self.nodes.get(i).filter(|_| gap < best.0) else { continue };
             if node.second == 0 {
                 for edge in &self.edges[node.run[0] as usize..node.run[1] as usize] {
-                    let found = distance(nearest(*edge, p), p);
-                    if found < best.0 {
-                        best = (found, *edge);
+                    let gap = distance(nearest(*edge, p), p);
+                    if gap < best.0 {
+                        best = (gap, *edge);
                     }
                 }
                 continue;
             }
             let mut children =
                 [i + 1, node.second as usize].map(|child| (outside(&self.nodes[child]), child));
+            // The nearer child comes on top of the stack, and is searched first.
             if children[0].0 < children[1].0 {
                 children.reverse();
             }

@@ -103,6 +103,7 @@ impl<'j> Roof<'j> {
             after[*a as usize] = *b;
             before[*b as usize] = *a;
         }
+        // By corner: the ends of its first and its last ray.
         let mut ends: Vec<Option<[RayEnd; 2]>> = vec![None; n];
         for [corner, _] in border {
             if self.job.is_cancelled() {
@@ -125,6 +126,7 @@ impl<'j> Roof<'j> {
                 last = end;
             }
         }
+        // Along an edge, the border of the top runs from the last ray of its start to the first of its end.
         for [a, b] in border {
             if let (Some([_, from]), Some([to, _])) = (ends[*a as usize], ends[*b as usize])
                 && from.is_top
@@ -145,12 +147,14 @@ impl<'j> Roof<'j> {
         let is_inward = first[0] * second[1] - first[1] * second[0] < 0.0;
         let cosine = dot(m, n);
         if !is_inward {
+            // Its component along either normal is 1, so that both distances grow by 1.
             let sum = [m[0] + n[0], m[1] + n[1]];
             // A spike that is only a rounding wide has no bisector.
             return if 1.0 + cosine > NEAR { vec![sum.map(|x| x / (1.0 + cosine))] } else { Vec::new() };
         }
         let mut rays = vec![m];
         self.turn([m, n], first, MOST_TURNS, &mut rays);
+        // Both normals are so close that one ray in the middle replaces them.
         if rays.len() == 1 {
             return unit([m[0] + n[0], m[1] + n[1]]).into_iter().collect();
         }
@@ -237,20 +241,20 @@ impl<'j> Roof<'j> {
             }
             let (a, b) = (at[k], at[(k + 1) % 3]);
             let (from, to) = (heights[k], heights[(k + 1) % 3]);
-            let off = |s: f64| (self.height(along(a, b, s)) - (from + s * (to - from))).abs();
+            let error_at = |s: f64| (self.height(along(a, b, s)) - (from + s * (to - from))).abs();
             let step = 1.0 / f64::from(SAMPLES + 1);
             for i in 1..=SAMPLES {
                 let s = f64::from(i) * step;
-                if off(s) > best.0 {
+                if error_at(s) > best.0 {
                     // At a bend the error has a kink: it falls on both sides of the best sample.
                     let (mut low, mut high) = (s - step, s + step);
                     for _ in 0..ROUNDS {
                         let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-                        if off(left) < off(right) { low = left } else { high = right }
+                        if error_at(left) < error_at(right) { low = left } else { high = right }
                     }
                     let top = 0.5 * (low + high);
-                    let s = if off(top) > off(s) { top } else { s };
-                    best = (off(s), Some((Some(3 * t + k as u32), along(a, b, s))));
+                    let s = if error_at(top) > error_at(s) { top } else { s };
+                    best = (error_at(s), Some((Some(3 * t + k as u32), along(a, b, s))));
                 }
             }
         }

@@ -29,6 +29,7 @@ impl HalvedLattice<'_> {
         let mut values = self.coarse.corners(root).map(|value| self.rule.finite_sample(value));
         let mut exact = [true; 8];
         for bit in (0..self.level).rev() {
+            // Along x, then y, then z, so that cells agree in every bit.
             for (axis, index) in cell.iter().enumerate() {
                 // The half of a box along an axis keeps one end, and its other end is the middle.
                 let keeps_low = index >> bit & 1 == 0;
@@ -91,6 +92,7 @@ impl SampleSource for HalvedLattice<'_> {
 
     fn at(&self, index: [usize; 3]) -> f64 {
         let size = self.size();
+        // The last sample is the far corner of the last cell.
         let cell = [0, 1, 2].map(|k| index[k].min(size[k] - 2));
         let corner = (0..3).fold(0, |corner, k| corner | (index[k] - cell[k]) << k);
         self.corner_values(cell).values[corner]

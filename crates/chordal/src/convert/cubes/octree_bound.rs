@@ -117,6 +117,7 @@ impl OctreeProof<'_> {
         let low = LOW[axis];
         let mut moved = self.lattice(cell).moved;
         let mut beside = [0.0; 2];
+        // The four corners in each of the four planes across the row.
         let mut planes = [[0.0; 4]; 4];
         planes[1] = low.map(|c| values[c] - level);
         planes[2] = low.map(|c| values[c + (1 << axis)] - level);
@@ -126,6 +127,7 @@ impl OctreeProof<'_> {
             let there = surface.values(next);
             planes[3 * end] = low.map(|c| there[c + (end << axis)] - level);
             let around = surface.halved.leaf_around(next);
+            // The neighbour is a part of a larger leaf, whose triangles count.
             if around.level < cell.level {
                 beside[end] = largest_on_triangles(&surface.values(around), surface.slack);
                 moved = greater(self.lattice(around).moved, moved);

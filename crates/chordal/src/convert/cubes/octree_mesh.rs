@@ -84,22 +84,22 @@ impl CellGroup {
         order.sort_unstable();
         let place = surface.place();
         let gradient = SampleGradient::new(surface.source, surface.affine, surface.rule);
-        let mut octree_mesh = Self { vertices: Vec::new(), normals: Vec::new(), faces: Vec::new() };
+        let mut group = Self { vertices: Vec::new(), normals: Vec::new(), faces: Vec::new() };
         let mut numbers = vec![0_u32; corners.len()];
         for (order, at) in order {
-            if octree_mesh.vertices.last().is_none_or(|last| last.0 != order) {
+            if group.vertices.last().is_none_or(|last| last.0 != order) {
                 let vertex = &corners[at as usize];
-                octree_mesh.vertices.push((order, vertex.point(&place, surface.rule.offset)));
+                group.vertices.push((order, vertex.point(&place, surface.rule.offset)));
                 if surface.rule.normals == Normals::Gradient {
-                    octree_mesh.normals.push(gradient.normal_at(vertex.index()));
+                    group.normals.push(gradient.normal_at(vertex.index()));
                 }
             }
-            numbers[at as usize] = octree_mesh.vertices.len() as u32 - 1;
+            numbers[at as usize] = group.vertices.len() as u32 - 1;
         }
         let is_upright = surface.affine.orientation() > 0;
         let turned = |face: &[u32; 3]| if is_upright { *face } else { [face[0], face[2], face[1]] };
-        octree_mesh.faces = numbers.as_chunks::<3>().0.iter().map(turned).collect();
-        octree_mesh
+        group.faces = numbers.as_chunks::<3>().0.iter().map(turned).collect();
+        group
     }
 }
 

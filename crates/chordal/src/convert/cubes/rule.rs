@@ -110,6 +110,7 @@ impl Polygonize {
     /// [`Polygonize::crossing`] near a sample, or for samples with a difference that is not finite.
     #[cold]
     fn robust_crossing(&self, from: f64, to: f64) -> f64 {
+        // Quarters, so that the difference of the largest numbers stays finite.
         let (from, to) = (0.25 * self.finite_sample(from), 0.25 * self.finite_sample(to));
         let part = (0.25 * self.level - from) / (to - from);
         if part < self.margin {

@@ -50,6 +50,7 @@ fn touching(mut boxes: Vec<Box3>) -> Vec<Box3> {
     }
     let mut done: Vec<Box3> = Vec::new();
     while let Some(mut hull) = boxes.pop() {
+        // Boxes that were apart may touch the hull once it has grown.
         loop {
             let n = boxes.len();
             boxes.retain(|other| {

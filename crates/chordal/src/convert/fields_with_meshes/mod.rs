@@ -73,14 +73,14 @@ pub(in crate::convert) fn search(field: &Field, goal: &FieldMeshGoal, job: &Job)
 /// # Errors
 /// If a leaf of the field fails.
 pub fn with_face_materials(
-    made: Bounded<Mesh>,
+    mesh: Bounded<Mesh>,
     field: &Field,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     let csg = Csg::from_expr(field.sign());
     match FaceMaterials::new(&csg, job) {
-        Some(materials) => materials.paint(Ok(made), None),
-        None => Ok(made),
+        Some(materials) => materials.paint(Ok(mesh), None),
+        None => Ok(mesh),
     }
 }
 
@@ -147,10 +147,11 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
         if job.is_finishing() && best.is_some() {
             break;
         }
+        // A lattice that is far too fine is given up early.
         let mut limited = job.clone();
         limited.triangle_limit = job.triangle_limit.min(most.saturating_mul(64));
-        let made = match on_lattice(field, step, f64::INFINITY, &limited) {
-            Ok(made) => made,
+        let mesh = match on_lattice(field, step, f64::INFINITY, &limited) {
+            Ok(mesh) => mesh,
             // So many that the number is of no use for a prediction.
             Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooManyTriangles => {
                 too_fine = greater(step, too_fine);
@@ -161,12 +162,12 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
             Err(Failure::Refused(_)) if best.is_some() => break,
             Err(failure) => return Err(failure),
         };
-        let ratio = made.shape.faces().len() as f64 / most as f64;
+        let ratio = mesh.shape.faces().len() as f64 / most as f64;
         let current = step;
         if ratio <= 1.0 {
             let is_finer = best.as_ref().is_none_or(|(old, _)| step < *old);
             if is_finer {
-                best = Some((step, made));
+                best = Some((step, mesh));
             }
             if ratio > GOOD_COUNT {
                 break;
@@ -177,12 +178,13 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
         // A little coarser than predicted, to stay below the limit.
         step *= 1.02 * greater(ratio, 1.0 / 256.0).sqrt();
         let is_outside = step <= too_fine || best.as_ref().is_some_and(|(old, _)| step >= *old);
+        // The prediction contradicts what is known: a step halfway between, by ratio, is tried instead.
         if is_outside {
             let coarse = best.as_ref().map_or(4.0 * current, |(old, _)| *old);
             step = (coarse * greater(too_fine, coarse / 16.0)).sqrt();
         }
     }
-    best.map(|(_, made)| made).ok_or_else(|| {
+    best.map(|(_, mesh)| mesh).ok_or_else(|| {
         Failure::refused(RefusalCode::Budget, format!("{most} triangles are too few for the shape"))
     })
 }

@@ -72,6 +72,7 @@ impl PlacedMesh {
         let [a, b, c] = back;
         let volume = (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]))
             + a[2] * (b[0] * c[1] - b[1] * c[0]);
+        // A map that mirrors would turn all fronts inward.
         let faces = bare
             .faces()
             .iter()

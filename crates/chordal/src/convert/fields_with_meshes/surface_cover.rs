@@ -115,6 +115,7 @@ pub(super) fn farthest(
         let far: Vec<Box3> = far.map(|(cell, _)| *cell).collect();
         let mut are_walls = one_sided(&tape, &far, job)?.into_iter();
         for (cell, reach) in undecided.iter().zip(reaches) {
+            // Under the condition of `far`, so that both lists are in step.
             if is_last && has_walls && reach > enough && are_walls.next().unwrap_or(false) {
                 farthest_part.n_walls += 1;
             } else if reach > enough && !is_last {

@@ -109,6 +109,7 @@ impl<const D: usize> HermiteProblem<'_, D> {
     fn cost(&self, handles: &[f64; 2], places: &mut [f64]) -> HermiteCost {
         let cubic = self.cubic(handles);
         let mut cost = HermiteCost { sum: 0.0, slope: [0.0; 2], matrix: [[0.0; 2]; 2] };
+        // The first and the last point are ends of the cubic, whatever the handles.
         for (point, place) in self.points.iter().zip(places.iter_mut()).skip(1).take(self.points.len() - 2) {
             *place = foot(&cubic, *point, *place);
             let s = *place;
@@ -120,6 +121,7 @@ impl<const D: usize> HermiteProblem<'_, D> {
                 std::array::from_fn(|k| v[k] - along * tangent[k])
             };
             let residual = across(offset);
+            // The derivatives of the cubic's point by both handles.
             let (first, second) = (3.0 * (1.0 - s) * (1.0 - s) * s, -3.0 * (1.0 - s) * s * s);
             let derivative = [
                 across(self.directions[0].map(|x| first * x)),
@@ -139,6 +141,7 @@ impl<const D: usize> HermiteProblem<'_, D> {
     fn step(&self, handles: &[f64; 2], cost: &HermiteCost, damping: f64) -> Option<[f64; 2]> {
         let mut matrix = cost.matrix;
         for (k, row) in matrix.iter_mut().enumerate() {
+            // The small number damps a diagonal of 0 as well.
             row[k] += damping * row[k] + f64::MIN_POSITIVE;
         }
         let [[a], [b]] = solve(matrix, cost.slope.map(|x| [x]))?;

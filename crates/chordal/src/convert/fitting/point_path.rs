@@ -117,6 +117,7 @@ impl<const D: usize> PointPath<D> {
             3 => slope::<3, D>(&scaled),
             _ => slope::<4, D>(&scaled),
         };
+        // The direction of the best line, if no polynomial can be fitted.
         let chord = scaled.iter().fold([0.0; D], |sum, (u, p)| std::array::from_fn(|k| sum[k] + u * p[k]));
         let slope = slope.filter(|slope| dot(*slope, *slope) > 0.0).unwrap_or(chord);
         let speed = length(slope);
@@ -140,7 +141,7 @@ impl<const D: usize> PointPath<D> {
                 self.stops[self.stops.partition_point(|stop| *stop <= at).min(self.stops.len() - 1)].max(at)
                     - at
             };
-            let place = |i: usize| -> (f64, usize) {
+            let candidate = |i: usize| -> (f64, usize) {
                 let (whole, total) = (last, self.lengths[last]);
                 if side < 0.0 {
                     let wraps = i > at;
@@ -158,13 +159,13 @@ impl<const D: usize> PointPath<D> {
             let (mut few, mut many) = (0, count + 1);
             while many - few > 1 {
                 let middle = few + (many - few) / 2;
-                if place(middle).0 <= reach { few = middle } else { many = middle }
+                if candidate(middle).0 <= reach { few = middle } else { many = middle }
             }
             let within = few.max(1).min(count);
             let step = within.div_ceil(SIDE).max(1);
             let mut i = within;
             while i > 0 {
-                let (length, index) = place(i);
+                let (length, index) = candidate(i);
                 near.push((side * length, difference(self.points[index], self.points[at])));
                 i = i.saturating_sub(step);
             }

@@ -102,6 +102,7 @@ impl<const D: usize> RationalSpans<'_, D> {
         let mut best: Option<(Bezier<D>, f64, SpanEnd<D>)> = None;
         let (mut good, mut bad) = (from.at, f64::INFINITY);
         let mut at = lesser(from.at + 1.25 * step, 1.0);
+        // A short rest would be a span of its own.
         if 1.0 - at < 0.25 * step {
             at = 1.0;
         }
@@ -179,6 +180,7 @@ fn run_through(places: &[f64], own: impl Fn(usize) -> f64) -> Option<[f64; RUN +
     let (mut matrix, mut right) = ([[0.0; INNER]; INNER], [[0.0; 1]; INNER]);
     for (i, s) in places.iter().enumerate() {
         let basis = bernstein_of_run(*s);
+        // The first coefficient is 0, and the last is 1.
         let residual = own(i) - basis[RUN];
         for j in 0..INNER {
             right[j][0] += basis[j + 1] * residual;

@@ -56,6 +56,7 @@ impl RunFactors {
                         }
                     }
                 }
+                // The other products of this step start at later rows.
                 rows[i] = product;
             }
         }

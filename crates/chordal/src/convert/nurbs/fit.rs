@@ -160,8 +160,8 @@ impl<'a> SurfaceFitter<'a> {
     /// The position and derivatives at a corner; at a seam the derivatives along it are taken from its first side.
     fn corner(&self, SubRectangle { piece, part }: SubRectangle, end: [usize; 2]) -> SurfaceJet {
         let step = [0, 1].map(|k| part[k] + end[k]);
-        let place = |k: usize| step[k] as f64 / self.cuts[k][piece[k]] as f64;
-        let places = [0, 1].map(place);
+        let parameter = |k: usize| step[k] as f64 / self.cuts[k][piece[k]] as f64;
+        let places = [0, 1].map(parameter);
         let mut jet = self.net.jet(piece, places);
         let is_last = |k: usize| piece[k] + 1 == self.cuts[k].len() && step[k] == self.cuts[k][piece[k]];
         let is_first = |k: usize| piece[k] == 0 && step[k] == 0;
@@ -174,6 +174,7 @@ impl<'a> SurfaceFitter<'a> {
                 if k == 0 { jet.v = there.v } else { jet.u = there.u }
             }
         }
+        // The position set last is that of the far end of a seam, which differs by rounding.
         if self.closes == [true; 2] && is_last(0) && is_last(1) {
             jet.position = self.net.jet([0; 2], [0.0; 2]).position;
         }
@@ -222,9 +223,9 @@ impl<'a> SurfaceFitter<'a> {
     /// The larger distance of the middles of the patch's sides along `u` from the surface's points there, and the same
     /// along `v`.
     fn errors_along(&self, SubRectangle { piece, part }: SubRectangle, patch: &Patch) -> [f64; 2] {
-        let place = |k: usize, at: f64| (part[k] as f64 + at) / self.cuts[k][piece[k]] as f64;
+        let parameter = |k: usize, at: f64| (part[k] as f64 + at) / self.cuts[k][piece[k]] as f64;
         let error_at = |u: f64, v: f64| {
-            let there = self.net.jet(piece, [place(0, u), place(1, v)]).position;
+            let there = self.net.jet(piece, [parameter(0, u), parameter(1, v)]).position;
             distance(there, patch.at(u, v))
         };
         let [bottom, top, left, right] =

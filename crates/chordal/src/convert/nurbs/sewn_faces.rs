@@ -48,6 +48,7 @@ pub(super) fn same_vertices(
         if kept.len() == before {
             break;
         }
+        // Until now all unions were taken, in any order.
         if round == 0 {
             unions.sort_by(|a, b| distance(a[0], a[1]).total_cmp(&distance(b[0], b[1])).then(a.cmp(b)));
         }

@@ -25,6 +25,7 @@ pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64;
         return 0.0;
     }
     let sides_of = |[a, b, c]: [u32; 3]| {
+        // A vertex counts as a side with equal ends.
         [[a, b], [b, c], [c, a], [a, a], [b, b], [c, c]].map(|[a, b]| if a < b { [a, b] } else { [b, a] })
     };
     let mut is_flat = vec![false; positions.len()];
@@ -44,6 +45,7 @@ pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64;
     for [a, b, c] in open {
         let component = components.entry(sets.find(a)).or_default();
         let side = |a: u32, b: u32| length(difference(positions[a as usize], positions[b as usize]));
+        // A walk crosses each triangle once, by no more than its longest side.
         component.longest_walk += greater(greater(side(a, b), side(b, c)), side(c, a));
         component.is_attached |= [a, b, c].into_iter().any(|vertex| has([vertex, vertex]));
         component.vertex = a;

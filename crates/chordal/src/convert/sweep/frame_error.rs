@@ -56,8 +56,8 @@ fn halved(
     spread: f64,
     left: usize,
 ) -> Option<FrameError> {
-    if let Some(found) = whole(path, frames, spread) {
-        return Some(found);
+    if let Some(error) = whole(path, frames, spread) {
+        return Some(error);
     }
     let next = left.checked_sub(1)?;
     let half = |a: f64, b: f64| halved(&path.part(a, b), &frames.part(a, b), spread, next);
@@ -139,6 +139,7 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     let numerator = if spread == 0.0 {
         numerator
     } else {
+        // ω does not depend on the size of the direction; |D| does, and `direction` has been scaled.
         let wanted = square.times(&across).scaled(spread).scaled(1.0 / unit);
         let w_square = w_path.times(&w_path);
         below.extend([least_path, least_path]);
@@ -150,8 +151,8 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     let twist = quotient(numerator.range().magnitude(), &below);
     let directions = [0, 1].map(|end| direction.each_ref().map(|d| d.ends()[end]));
     let all = [position, side_off, up_off, ahead_off, twist];
-    let found = FrameError { position, vectors: [side_off, up_off, ahead_off], twist, directions };
-    all.iter().all(|x| x.is_finite()).then_some(found)
+    let error = FrameError { position, vectors: [side_off, up_off, ahead_off], twist, directions };
+    all.iter().all(|x| x.is_finite()).then_some(error)
 }
 
 /// Divided by numbers above 0, rounded up.

@@ -92,6 +92,7 @@ impl FramedPath<'_> {
         }
         let span = |(piece, part): &(usize, [f64; 2])| {
             let [a, b] = self.path.knots().piece(*piece);
+            // Exactly at the knot, without the rounding of a sum.
             part.map(|s| if s == 1.0 { b } else { a + s * (b - a) })
         };
         let (mut ups, mut lengths) = (vec![self.up], vec![0.0]);
@@ -127,6 +128,7 @@ impl FramedPath<'_> {
             }
             let mut rows: [Vec<[f64; 3]>; 4] =
                 std::array::from_fn(|which| quintic([jets[0][which], jets[1][which]], ends[1] - ends[0]));
+            // Such a path is represented exactly.
             if piece.is_polynomial() && piece.knots().degree() <= QUINTIC {
                 let elevated = piece.elevated(QUINTIC - piece.knots().degree()).map_err(|_| place.0)?;
                 rows[0] = BernsteinRow(elevated.control().to_vec()).part(place.1[0], place.1[1]).0;

@@ -42,6 +42,7 @@ pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
             }
             let group = groups.iter().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL);
             let target = group.map(|group| group.1).unwrap_or_else(|| {
+                // The first group keeps the vertex.
                 let target = if groups.is_empty() { vertex } else { positions.len() as u32 };
                 if target != vertex {
                     positions.push(positions[vertex as usize]);
@@ -70,6 +71,7 @@ pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
     let is_split = positions.len() > vertices.len();
     let mesh = mesh_with_normals(positions, faces, normals, is_split.then_some(ids));
     let Some(texcoords) = texcoords else { return mesh };
+    // By sheet, so that the texture coordinates of each are prepared once.
     let mut order: Vec<u32> = (0..leaves.len() as u32).collect();
     order.sort_by_key(|leaf| sheet_of(*leaf as usize));
     let runs: Vec<&[u32]> = order.chunk_by(|a, b| sheet_of(*a as usize) == sheet_of(*b as usize)).collect();

@@ -125,8 +125,8 @@ fn finish(proved: &CertifiedLeaves<'_>, allowance: &Allowance, job: &Job) -> Bou
     let mut bound = Bound::proved(lesser(least, most), most, Reference::LimitSurface);
     bound.at = at;
     bound.pixels = allowance.pixels.and_then(|(_, lens)| {
-        proved.leaves.iter().try_fold(0.0, |worst, (_, found)| {
-            let pixels = lens.scale_at(&found.place).pixels_of(found.bound)?;
+        proved.leaves.iter().try_fold(0.0, |worst, (_, proof)| {
+            let pixels = lens.scale_at(&proof.place).pixels_of(proof.bound)?;
             Some(greater(pixels, worst))
         })
     });
@@ -140,11 +140,11 @@ fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Optio
     order.sort_by(|a, b| proved.leaves[*b].1.bound.total_cmp(&proved.leaves[*a].1.bound).then(a.cmp(b)));
     let (mut samples, mut off) = (Vec::new(), 0.0);
     for &i in order.iter().take(SAMPLED_LEAVES) {
-        let (leaf, found) = &proved.leaves[i];
+        let (leaf, proof) = &proved.leaves[i];
         let shape = &proved.cells[leaf.cell as usize].shape;
         let lost = 2.0 * shape.rounding_error();
         off = greater(lost, off);
-        let side = (1..3).fold(0, |worst, k| if found.sides[k] > found.sides[worst] { k } else { worst });
+        let side = (1..3).fold(0, |worst, k| if proof.sides[k] > proof.sides[worst] { k } else { worst });
         samples.push(shape.point(leaf.middle(side)));
         let third = |k: usize| leaf.places.iter().map(|place| place[k]).sum::<f64>() / 3.0;
         samples.push(shape.point([third(0), third(1)]));

@@ -193,6 +193,7 @@ impl FlatTriangle {
                 }
                 LoopSideCurve::Extraordinary(LoopCellShape::Extraordinary(extraordinary)) => {
                     let Ok(quarters) = extraordinary.quarters() else { return f64::INFINITY };
+                    // The quarters at both ends of the side contain its curve.
                     for k in [side, (side + 1) % 3] {
                         open.push(self.queue_curve(
                             side,
@@ -203,6 +204,7 @@ impl FlatTriangle {
                 }
                 LoopSideCurve::Extraordinary(LoopCellShape::Polynomial(polynomial)) => {
                     let curve = LoopSideCurve::Quartic(polynomial.quartic.side(side), polynomial.off);
+                    // A polynomial curve is halved as often, however small its piece is.
                     open.push(self.queue_curve(side, curve, 0));
                 }
             }
