@@ -287,6 +287,7 @@ impl<'a> LabelMesher<'a> {
         if low == high {
             return [NONE; 2];
         }
+        // In the indices of the whole volume, so that blocks agree in every bit.
         let mut at = [self.transform.global(0, i), self.transform.global(1, j), self.transform.global(2, k)];
         at[axis] += 0.5;
         let at = self.transform.at(at);
@@ -364,6 +365,7 @@ impl<'a> LabelMesher<'a> {
                     let [x, y, z] = self.volume_index(cell);
                     for (number, triangle) in (0..).zip(&case.corners[..usize::from(case.triangles)]) {
                         let face = triangle.map(|edge| {
+                            // Each edge has a vertex for either label: that of its low end comes first.
                             let end = usize::from(labels[usize::from(EDGES[usize::from(edge)][0])] != label);
                             row(edge)[end]
                         });
@@ -443,6 +445,7 @@ impl<'a> LabelMesher<'a> {
                 CapVertex::Corner(i) => planes[corners[i].0].samples[corners[i].1],
                 CapVertex::Side(i) => {
                     let (corner, next) = (corners[i], corners[(i + 1) % 4]);
+                    // As in `middle`, the vertex of the lower end comes first.
                     let lower = lesser(corner, next);
                     sides[i][usize::from(label_at(lower) != label)]
                 }
@@ -459,8 +462,8 @@ impl<'a> LabelMesher<'a> {
 fn no_label(grid: &Grid, at: usize) -> JobError {
     let [nx, ny, _] = grid.size();
     let (i, j, k) = (at % nx, at / nx % ny, at / (nx * ny));
-    let found = grid.samples().get(at);
+    let sample = grid.samples().get(at);
     let message =
-        format!("sample ({i}, {j}, {k}) is {found}, and a label is a whole number from 0 to 4294967295");
+        format!("sample ({i}, {j}, {k}) is {sample}, and a label is a whole number from 0 to 4294967295");
     refusal(RefusalCode::Unsupported, message)
 }

@@ -130,6 +130,7 @@ impl<'a> ViewDependentMesher<'a> {
             share: 1.0,
         };
         let ViewedSheets { sheets, adjacency, tiles } = surface;
+        // Taken out, so that none are left after an error.
         let before = tiles.take();
         let (mesh, built) =
             job.run(|| PatchMesher::new(&**sheets, adjacency, job).mesh_from(before, &allowance))?;

@@ -72,7 +72,7 @@ impl MaskCellBounds {
         job: &Job,
     ) -> Self {
         let kinds: Vec<(usize, u8)> = cells.kinds().collect();
-        let found = par_map(job, &kinds, |_, (border, inside)| {
+        let distances = par_map(job, &kinds, |_, (border, inside)| {
             let mut borders = [[Border::Open; 2]; 3];
             if let Some(number) = border.checked_sub(1) {
                 borders.as_flattened_mut()[number] = Border::Capped;
@@ -101,7 +101,7 @@ impl MaskCellBounds {
             lesser(add_up(most, moved), diagonal)
         });
         let mut bounds = [[0.0; 256]; 7];
-        for ((border, inside), most) in kinds.into_iter().zip(found) {
+        for ((border, inside), most) in kinds.into_iter().zip(distances) {
             bounds[border][usize::from(inside)] = most;
         }
         Self(bounds)

@@ -65,6 +65,7 @@ impl UnitCircle {
         };
         let quarter: Vec<[f64; 2]> = (0..=n)
             .map(|k| {
+                // The second half mirrors the first, so that the polygon is symmetric to the last bit.
                 let [x, y] = at(k.min(n - k));
                 if 2 * k <= n { [x, y] } else { [y, x] }
             })

@@ -105,8 +105,8 @@ impl SolidMesher {
     /// A mesh under a similarity: a rotation, a mirror, a translation, a uniform scale. The bound is scaled, and includes the
     /// rounding of the map.
     #[must_use]
-    pub fn placed(made: &Bounded<Mesh>, map: &Affine3) -> Option<Bounded<Mesh>> {
-        placed::placed(made, map)
+    pub fn placed(mesh: &Bounded<Mesh>, map: &Affine3) -> Option<Bounded<Mesh>> {
+        placed::placed(mesh, map)
     }
 }
 

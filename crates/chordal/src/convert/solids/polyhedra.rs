@@ -44,6 +44,7 @@ pub(super) fn half_space(normal: [f64; 3], offset: f64, room: &Box3) -> Option<F
     if depth < -size {
         return Some(FormMesh { positions: Vec::new(), faces: Vec::new(), error: 0.0 });
     }
+    // All of the room is well below the plane.
     if depth > size {
         return Some(between(centre.map(|x| x - size), centre.map(|x| x + size)));
     }

@@ -18,6 +18,8 @@ pub(super) fn rounded_cuboid(half: [f64; 3], radius: f64, length: f64) -> Option
     let is_ball = half == [0.0; 3];
     let error_of = |n: u32| {
         let sagitta = octant_sagitta(n);
+        // Vertices at 1 + d and the middles of triangles at (1 + d)(1 − s) are equally far from the sphere,
+        // on both sides, with d = s / (2 − s).
         let distance = if is_ball { sagitta / (2.0 - sagitta) } else { sagitta };
         // Corners have to move farther until the middles of triangles are on the sphere ([`super::PROOF_MARGIN`]).
         mul_up(distance, div_up(1.0, sub_down(1.0, sagitta)))
@@ -89,6 +91,7 @@ pub(super) fn capsule([a, b]: [[f64; 3]; 2], radius: f64, length: f64) -> Option
         faces.push(corners.map(|row| at(row, ends[face])));
         for side in 0..3 {
             let Twin::Pair(twin) = twins.get(3 * face as u32 + side) else { return None };
+            // Once for each side between both ends: from its face at the far end.
             if ends[face] == 1 && ends[twin as usize / 3] == 0 {
                 let [p, q] = [side as usize, (side as usize + 1) % 3].map(|k| corners[k]);
                 let [[p, far_p], [q, far_q]] = [p, q].map(|row| [at(row, 0), at(row, 1)]);

@@ -45,10 +45,11 @@ pub(in crate::convert) fn pieces(path: &NurbsCurve<3>) -> Result<Vec<NurbsCurve<
 
 /// The jet of a piece at a parameter.
 pub(in crate::convert) fn path_jet(piece: &NurbsCurve<3>, t: f64) -> PathJet {
-    let found = piece.derivatives(t, 3);
-    let [point, d, dd, ddd] = [found[0], found[1], found[2], found[3]];
+    let derivatives = piece.derivatives(t, 3);
+    let [point, d, dd, ddd] = [derivatives[0], derivatives[1], derivatives[2], derivatives[3]];
     let speed = length(d);
     let tangent = d.map(|x| x / speed);
+    // From d = s·t: dd = s′·t + s·t′, and ddd = s″·t + 2·s′·t′ + s·t″.
     let grows = dot(tangent, dd);
     let turns: [f64; 3] = std::array::from_fn(|k| (dd[k] - grows * tangent[k]) / speed);
     let grows_more = dot(turns, dd) + dot(tangent, ddd);
@@ -70,6 +71,7 @@ fn reflected(piece: &NurbsCurve<3>, [a, b]: [f64; 2], steps: usize, up: [f64; 3]
             let square = dot(normal, normal);
             if square > 0.0 { plus(v, -2.0 * dot(v, normal) / square, normal) } else { v }
         };
+        // A reflection across the chord, then one that takes the reflected tangent to the next tangent.
         let chord = difference(to.0, from.0);
         let (half, tangent) = (mirror(up, chord), mirror(from.1, chord));
         up = mirror(half, difference(to.1, tangent));

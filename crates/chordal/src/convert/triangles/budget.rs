@@ -138,12 +138,11 @@ fn finish(proved: &CertifiedLeaves<'_>, allowance: &Allowance, job: &Job) -> Bou
 fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Option<[f64; 3]>) {
     let mut order: Vec<usize> = (0..proved.leaves.len()).collect();
     order.sort_by(|a, b| proved.leaves[*b].1.bound.total_cmp(&proved.leaves[*a].1.bound).then(a.cmp(b)));
-    let (mut samples, mut off) = (Vec::new(), 0.0);
+    let (mut samples, mut rounding) = (Vec::new(), 0.0);
     for &i in order.iter().take(SAMPLED_LEAVES) {
         let (leaf, proof) = &proved.leaves[i];
         let shape = &proved.cells[leaf.cell as usize].shape;
-        let lost = 2.0 * shape.rounding_error();
-        off = greater(lost, off);
+        rounding = greater(2.0 * shape.rounding_error(), rounding);
         let side = (1..3).fold(0, |worst, k| if proof.sides[k] > proof.sides[worst] { k } else { worst });
         samples.push(shape.point(leaf.middle(side)));
         let third = |k: usize| leaf.places.iter().map(|place| place[k]).sum::<f64>() / 3.0;
@@ -151,7 +150,7 @@ fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Optio
     }
     match check::surface_at_least(&samples, mesh) {
         Some((least, at)) => {
-            let least = sub_down(least, off);
+            let least = sub_down(least, rounding);
             (greater(least, 0.0), Some(samples[at]))
         }
         None => (0.0, samples.first().copied()),

@@ -95,6 +95,7 @@ impl SurfaceImprover<'_> {
     /// The longest edges of faces with an error above the aim.
     fn edges_of_far_faces(&mut self) -> Result<Vec<u32>, ImproveError> {
         let faces = (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f));
+        // NaN counts as far.
         let close: Vec<u32> = faces.filter(|f| !(self.face_excess(*f) <= 0.5)).collect();
         self.sample_centres(&close)?;
         let mut far: Vec<(f64, u32)> = close
