@@ -199,9 +199,10 @@ impl FieldOctree {
         let corner = middle.map(|m| m - (0.5 + MARGIN[0]) * longest);
         let own_sign = field.has_own_sign();
         let tape = Tape::new(field.sign());
-        let worth = field.distance();
-        let word =
-            [worth.outside, worth.inside].map(|quality| !own_sign && quality >= DistanceQuality::Bound);
+        let distance = field.distance();
+        // With a sign of its own, the tape has other values than the field.
+        let is_distance_bound =
+            [distance.outside, distance.inside].map(|quality| !own_sign && quality >= DistanceQuality::Bound);
         let batch = batch_of(&ExprGraph::from_expr(field.sign()));
         let mut cells = Self {
             corner,
@@ -209,7 +210,7 @@ impl FieldOctree {
             nodes: vec![FieldOctreeNode::Outside],
             cells: Vec::new(),
             tapes: vec![tape],
-            is_distance_bound: word,
+            is_distance_bound,
             batch,
             voxels: VoxelGrid::default(),
             estimates: Vec::new(),
@@ -336,6 +337,7 @@ impl FieldOctree {
         last: bool,
         next: &mut Vec<PendingOctant>,
     ) {
+        // A pruned tape serves the octant and all parts of it.
         let tape = match class.tape {
             Some(tape) => {
                 self.tapes.push(tape);

@@ -378,6 +378,7 @@ impl BeamMarcher {
                 self.state = MarchState::Done;
                 return false;
             }
+            // Into the next voxel: at a side, rounding decides.
             t += nudge;
             let (at, voxel) = cells.voxels.at(along(self.in_voxels[0], self.in_voxels[1], t));
             match voxel {
@@ -396,6 +397,7 @@ impl BeamMarcher {
                     self.tape = cell.tape;
                     self.t = t;
                     self.cell_end = lesser(exit, self.end);
+                    // The nudge may have gone past a corner of the cell.
                     if self.cell_end < self.t {
                         self.cell_end = self.t;
                     }

@@ -81,6 +81,7 @@ pub(super) fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (V
     while start < edges.len() {
         let contour = edges[start].contour;
         let n = edges[start..].iter().take_while(|edge| edge.contour == contour).count();
+        // At one of its points, since the others wind alike around all of it.
         let winding_of_others = full.winding(edges[start].a, |edge| edge.contour != contour);
         let counter_clockwise = turns_left(&edges, start..start + n);
         let [left, right] = if counter_clockwise {
