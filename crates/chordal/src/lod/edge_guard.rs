@@ -116,6 +116,7 @@ impl OriginalEdges {
         let position_of = |face: u32| change.after.iter().position(|(f, _)| *f == face);
         let mut verdict = EdgeVerdict::Near;
         for &(v, face) in samples.reassignments() {
+            // Only vertices of the original have edges.
             if v >= n {
                 continue;
             }

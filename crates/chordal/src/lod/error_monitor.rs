@@ -214,6 +214,7 @@ impl ErrorMonitor {
                 face => face,
             })
             .collect();
+        // Dropped faces keep their numbers, with corners that span no area.
         let rows = |c: [u32; 3]| if c[0] == NONE { [0; 3] } else { c };
         let original = self.corners.iter().map(|c| rows(*c)).collect();
         let original = Mesh::by_construction(self.samples.points().take(n).collect(), original);

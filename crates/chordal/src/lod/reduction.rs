@@ -126,6 +126,7 @@ impl<'a> MeshReduction<'a> {
         let frame = ReductionFrame::from_bounds(&Box3::from_points(used));
         let at: Vec<[f64; 3]> =
             row.iter().map(|row| frame.in_frame(mesh.positions()[*row as usize])).collect();
+        // Only those at which the surface is no manifold: rows that neighbours share are added below.
         let tied_vertices = is_tied.iter().filter(|tied| **tied).count() as u64;
         let stays = |row: u32| stays.get(row as usize).copied().unwrap_or(false);
         is_tied.iter_mut().zip(&row).for_each(|(tied, row)| *tied |= stays(*row));

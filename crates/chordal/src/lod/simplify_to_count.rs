@@ -201,6 +201,7 @@ impl<'a> CountTarget<'a> {
             return Ok(cheapest);
         }
         start.start_monitor(self.job)?;
+        // The first length may leave too few triangles already.
         let (mut begin, mut reduction) = loop {
             let tolerance = start.uniform_tolerance(SHARE * length);
             let few = (MANY * self.count as f64) as usize;
@@ -222,6 +223,7 @@ impl<'a> CountTarget<'a> {
             let pair = self.pair(&simplified, &near)?;
             let report = pair.violations(length, self.job)?;
             if report.is_empty() || n_retries == MOST_RETRIES {
+                // If nothing is proved within the length, the deviation alone is the bound.
                 let most = if report.is_empty() { report.at_most } else { f64::INFINITY };
                 let deviation = pair.deviation(most, &self.goal(length), self.job)?;
                 let simplified = bounded(simplified, &deviation, most, reduction.stats);
