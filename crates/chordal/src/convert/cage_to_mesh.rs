@@ -245,6 +245,8 @@ impl<'a> CageSheets<'a> {
                     }
                     SideBoundary::Halves(halves) => {
                         for (edge, reversed) in halves {
+                            // The other end of a half is in the middle of the side, at no corner of the
+                            // sheet.
                             let ends = [if reversed { end } else { start }, None];
                             uses.push((edge, PatchEdgeUse { sheet, side, reversed }, ends));
                         }
@@ -260,6 +262,7 @@ impl<'a> CageSheets<'a> {
             let mut ends = [None; 2];
             for (_, _, own) in run {
                 for (end, own) in ends.iter_mut().zip(own) {
+                    // All uses of an edge have the same corners at its ends.
                     match (*end, *own) {
                         (Some(first), Some(own)) => self.same.push([first, own]),
                         (None, own) => *end = own,
@@ -373,6 +376,7 @@ impl<'a> PatchSurface<'a> for CageSheets<'a> {
             let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
             for ((u, v), id) in places.into_iter().zip(ids) {
                 let position = &mut positions[*id as usize];
+                // One point for all sheets at a corner, whatever their roundings.
                 if position.is_none() {
                     *position = sheet.at(u, v).ok().map(|jet| jet.point);
                 }

@@ -95,6 +95,7 @@ pub fn field_to_polyline(
     let mut lines =
         job.run(|| outline_lines(&field, &goal, job).unwrap_or_else(|| search(&field, &goal, job)))?;
     if let (Some(px), Some(most)) = (budget.pixels, lines.bound.at_most()) {
+        // The lines may leave the box by as much.
         let hull = Box3 { min: bounds.min.map(|x| x - most), max: bounds.max.map(|x| x + most) };
         lines.bound.pixels = px.view.pixels_of(most, &hull);
     }

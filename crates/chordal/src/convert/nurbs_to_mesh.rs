@@ -126,6 +126,7 @@ pub fn nurbs_to_mesh(
                 other => other,
             })?;
             let Some(reached) = first.bound.at_most() else { return Ok(first) };
+            // Once more, with patches as near as the distance that was reached needs.
             match mesh_at(surfaces, budget, SHARE * reached, job) {
                 Ok(again) if again.bound.at_most().is_some_and(|most| most < reached) => Ok(again),
                 Err(Failure::Cancelled) => Err(Failure::Cancelled),

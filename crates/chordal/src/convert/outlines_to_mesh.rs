@@ -269,6 +269,7 @@ impl ClosedOutlines {
         let mesh = Mesh::new(positions, faces)
             .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;
         let polyline_bound = polylines.bound;
+        // Rounding to the grid may have moved the lines nearer to the curves, or farther away.
         let at_most = add_up(polyline_bound.at_most().unwrap_or(0.0), lost);
         let at_least = sub_down(polyline_bound.at_least(), lost);
         let at_least = greater(at_least, 0.0);

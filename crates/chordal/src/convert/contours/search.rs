@@ -185,6 +185,7 @@ impl ContourSearch<'_> {
         let most = self.goal.segments.unwrap_or(0);
         let mut step = first;
         let mut fits: Option<f64> = None;
+        // Coarser until there are few enough segments, then finer as long as the number allows.
         for _ in 0..TRIALS {
             let n = count_segments(&self.trace_at_step(step, step)?);
             if n > most {
@@ -203,6 +204,7 @@ impl ContourSearch<'_> {
             let message = format!("{most} segments are too few for any lattice that shows the curve");
             return Err(Failure::refused(RefusalCode::Budget, message));
         };
+        // The least aim that is proved, from a quarter of a step on.
         let mut aim = 0.25 * step;
         loop {
             let traced = self.trace_at_step(step, aim)?;

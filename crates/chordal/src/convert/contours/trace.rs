@@ -142,6 +142,7 @@ pub(super) fn trace(
     if next.contains(&u32::MAX) {
         return Err(contradiction());
     }
+    // Each crossing has one link to the next, so the links form closed lines.
     let mut seen = vec![false; next.len()];
     let mut lines = Vec::new();
     for start in 0..next.len() {
@@ -216,6 +217,7 @@ fn sample_block(
     tape.at(&points, &mut values)?;
     let inside = |[i, j]: [u32; 2]| {
         let at = [first[0] + i, first[1] + j];
+        // Samples at the border of the lattice count as outside, so that all lines are closed.
         let at_border = (0..2).any(|k| at[k] == 0 || at[k] == last[k]);
         !at_border && values[i as usize + POINTS * j as usize] < 0.0
     };

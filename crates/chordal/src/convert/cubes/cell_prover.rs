@@ -196,6 +196,7 @@ impl CellProver<'_> {
         }
         let vertex = |kind: usize, at: [usize; 3]| {
             let mut index = at.map(|i| i as f64);
+            // A corner of a cap, kind 3, is a point of the surface: it is inside, at a capped border.
             let mut is_zero = true;
             if kind < 3 {
                 let mut ahead = at;
@@ -363,7 +364,9 @@ impl CellProver<'_> {
                 .map(|v| self.space_length([0, 1, 2].map(|k| v[k] - middle[k])))
                 .into_iter()
                 .fold(0.0, |m, r| greater(r, m));
+            // A point of the surface within this reach of the middle is within the target of the whole piece.
             let reach = sub_down(target, radius);
+            // Vertices that are zeros come first, since they take no search.
             let vertices =
                 own.iter().flat_map(|piece| (0..3).filter(|v| piece.is_zero[*v]).map(|v| piece.index[v]));
             let nearest = vertices

@@ -228,6 +228,7 @@ pub(crate) fn march<P: Coordinate, S: SampleSource>(
     let mut positions = vec![[P::default(); 3]; plan.vertices];
     let mut faces = vec![[0; 3]; plan.triangles];
     let cells = if affine.orientation() > 0 { &TABLE.upright } else { &TABLE.mirrored };
+    // Slabs are written in parallel, each into its own part of the arrays.
     let mut rest = &mut faces[..];
     let mut work = Vec::with_capacity(plan.slabs.len());
     for (slab, positions) in plan.parts(&mut positions) {

@@ -288,6 +288,7 @@ impl OctreeRefinement<'_> {
         let mut bound_of_kind: BTreeMap<OctreeCellKind, Option<f64>> = BTreeMap::new();
         let most = MOST_KINDS.min(cells.len() / SHARED);
         for kind in kinds.iter().flatten() {
+            // One more than allowed shows that there are too many.
             if bound_of_kind.len() <= most {
                 bound_of_kind.insert(*kind, None);
             }

@@ -127,8 +127,8 @@ fn part_deviations<const D: usize, const C: usize>(x: &[[Lane; D]; C], w: &[[Lan
             let (mut g, mut off_sq, mut g_sq, mut along, mut across_sq) = ([0.0; D], 0.0, 0.0, 0.0, 0.0);
             for k in 0..D {
                 g[k] = x[i][k][l] - start[k][l] * here;
-                let off = g[k] - part * last * chord[k][l];
-                off_sq += off * off;
+                let from_chord = g[k] - part * last * chord[k][l];
+                off_sq += from_chord * from_chord;
                 g_sq += g[k] * g[k];
                 along += g[k] * chord[k][l];
             }
@@ -146,12 +146,13 @@ fn part_deviations<const D: usize, const C: usize>(x: &[[Lane; D]; C], w: &[[Lan
             beyond[l] = greater(greater(-place, place - 1.0), beyond[l]);
         }
     }
-    let mut found = [0.0; LANES];
+    let mut deviations = [0.0; LANES];
     for l in 0..LANES {
         let beyond_sq = beyond[l] * beyond[l] * length_sq[l];
         let by_chord = (aside[l] * aside[l] + beyond_sq).sqrt();
+        // Beyond eight chords the direction of the chord is too inaccurate.
         let has_direction = (longest_sq[l] <= 64.0 * length_sq[l]) & (length_sq[l] > 0.0);
-        found[l] = if has_direction { lesser(by_chord, pointwise[l]) } else { pointwise[l] };
+        deviations[l] = if has_direction { lesser(by_chord, pointwise[l]) } else { pointwise[l] };
     }
-    found
+    deviations
 }

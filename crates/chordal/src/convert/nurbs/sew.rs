@@ -232,6 +232,7 @@ fn matches_of(
                 return near;
             }
             let (here, n) = (other_face.polygons.vertices[vertex as usize], other_face.prepared.lattice.n);
+            // Across a seam, parameters differ by nearly the whole range.
             let is_seam = (0..2).any(|k| (at[k] - here[k]).abs() > 0.5 * n[k] as f64);
             near * if is_seam { OWN_SEAM } else { OWN }
         };

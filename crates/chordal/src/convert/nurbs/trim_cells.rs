@@ -338,6 +338,7 @@ impl CellTriangulator<'_> {
                 if edges.bounding.contains(&[a, b]) || edges.bounding.contains(&[b, a]) {
                     continue;
                 }
+                // The cells beyond the rest of the border have the same state there.
                 mixed.borders.push((pair, is_inside));
                 if is_inside && self.lattice.cells.is_end(pair.map(|id| self.vertices[id as usize])) {
                     return Err(TrimConflict::Open);

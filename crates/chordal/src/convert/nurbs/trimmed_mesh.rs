@@ -161,6 +161,7 @@ fn one_round(
     let mut loops = Vec::new();
     let mut faces = Vec::with_capacity(prepared.len());
     for (prepared, surface) in prepared.into_iter().zip(surfaces) {
+        // Loops of a face that hardly bends may take nearly all of the length.
         let is_flat = prepared.lattice.bending() <= STRAIGHT * length;
         loops.push(length * if is_flat { ONLY } else { LOOPS });
         let polygons = prepared.pieces.polygons(&prepared.lattice);

@@ -72,6 +72,7 @@ impl PatchAdjacency {
         }
         for (patch, seam) in seams.iter().enumerate() {
             for side in PatchSide::ALL {
+                // Both corners of a side without length are one.
                 if matches!(seam[side as usize], SideBoundary::Point) {
                     let [a, b] = side_corners(patch as u32, side);
                     classes.union(a, b);

@@ -49,6 +49,7 @@ pub(crate) fn assemble(seams: &TileSeams, tiles: &[(PatchTile, PatchTileMesh)]) 
     }
     fill_missing_normals(&positions, &faces, &mut normals);
     let split_ids = (!ids.is_empty()).then(|| {
+        // Vertices on borders, those that splits have added to them, and inner ones.
         let base = (n_border - ids.len()) as u32;
         (0..base).chain(ids).chain(n_border as u32..positions.len() as u32).collect::<Vec<u32>>()
     });

@@ -103,6 +103,7 @@ fn within_count(
             let best = mesher.finish(&mut proved, allowance);
             return Err(Failure::Unmet(Box::new(best)));
         }
+        // The next lengths are so much larger than the best bound that theirs will hardly be less.
         let settled =
             best.as_ref().is_some_and(|best| rung(k).length.is_some_and(|rung| 0.8 * rung > best.bound()));
         if settled && count > SMALL {

@@ -88,6 +88,7 @@ pub(crate) fn build(
         pieces: PIECES_FOR_TIGHTNESS,
     };
     let n = knots.len();
+    // A tile with its four corners alone takes two triangles instead of a fan around a middle.
     let (triangles, bound) = if n == 4 && tile.n == 1 && tile.m == 1 {
         proof.two_triangles(&knots)
     } else {
@@ -375,6 +376,7 @@ impl<'a> RegionHeightField<'a> {
         let tolerance = proof.tolerance;
         let open = BinaryHeap::from([self.queue_entry(RegionPiece::Extraordinary(self.region), 0)]);
         let is_settled = |worst: &PriorityItem<RegionQueueEntry<'_>>, n_divided| {
+            // Within the tolerance, pieces are divided further only for a tighter bound.
             let fits = worst.bound <= tolerance;
             fits && (n_divided >= proof.pieces || worst.bound <= 0.5 * tolerance)
                 || worst.item.depth > DEEPEST

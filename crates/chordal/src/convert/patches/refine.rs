@@ -49,6 +49,7 @@ pub(crate) fn refine_missed(
         let rates = probe.rates(&probe.estimate(reduced), reduced);
         let before = (tile.n, tile.m);
         (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
+        // At least one more cell, or the tile would stay as it is.
         if (tile.n, tile.m) == before {
             *(if tile.n < tile.m { &mut tile.m } else { &mut tile.n }) += 1;
         }

@@ -162,6 +162,7 @@ impl TileSeams {
         let mut next = self.n_nodes as u32;
         for piece in &mut self.pieces {
             piece.first = next;
+            // A side that is one point has no vertices inside.
             if !matches!(piece.line, SeamLine::Point(..)) {
                 next += piece.n - 1;
             }

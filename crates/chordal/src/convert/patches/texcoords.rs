@@ -66,6 +66,7 @@ pub(crate) fn with_texcoords(
                 let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
                 at(sheet.as_ref(), [within(u, tile.u), within(v, tile.v)])
             };
+            // In the order of the tile's vertices: its border, then the inner ones.
             let mut local = Vec::new();
             for side in PatchSide::ALL {
                 tile_border::walk_side(first + k, tile, side, seams, |u, v, _| local.push(point([u, v])));

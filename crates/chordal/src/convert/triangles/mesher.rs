@@ -272,6 +272,7 @@ impl<'a> LoopRefinement<'a> {
                 }
             }
         }
+        // The worst first. A leaf that changes now is judged again before another of its sides is split.
         single_sides.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (_, _, side) in single_sides {
             let owners = &owners[&side];
@@ -343,6 +344,7 @@ impl<'a> LoopRefinement<'a> {
         for (k, flipped) in flipped.into_iter().enumerate() {
             better.extend(flipped.map(|(gain, leaves)| (gain, k, leaves)));
         }
+        // The best flips first; each leaf takes part in one.
         better.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut is_done = vec![false; self.leaves.len()];
         for (_, k, leaves) in better {
@@ -359,6 +361,11 @@ impl<'a> LoopRefinement<'a> {
         let (one, two) = (&self.leaves[first].0, &self.leaves[second].0);
         let inside = self.interior_line(one);
         // Counter-clockwise a, d, b, c, with the diagonal from a to b.
+        //        c                c
+        //      /   \            / | \
+        //     a --- b    →     a  |  b
+        //      \   /            \ | /
+        //        d                d
         let [(a, b), (c, d)] = [(s, (s + 1) % 3), ((s + 2) % 3, (t + 2) % 3)];
         let part = |places: [[f64; 2]; 3], vertices: [u32; 3], lines: [u32; 3]| LoopLeaf {
             cell: one.cell,

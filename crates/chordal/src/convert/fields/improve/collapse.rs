@@ -153,6 +153,8 @@ impl SurfaceImprover<'_> {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
         let mut cost = ALIKE;
+        // The faces after the collapse are a fan around the vertex that stays; the edges inside of the fan
+        // are new.
         for i in 1..n - 1 {
             let label = self.label_of(star.sides[i]);
             let points = [b, ring[i], ring[i + 1]].map(|v| self.at(v));

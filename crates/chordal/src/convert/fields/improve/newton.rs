@@ -256,6 +256,7 @@ impl SurfaceImprover<'_> {
     /// Moves vertices to their targets one by one, all the way or in part, unless another sheet blocks them.
     pub(super) fn settle(&mut self, vertices: &[u32]) -> Result<(), ImproveError> {
         let mut remaining = vertices.to_vec();
+        // A vertex that was blocked may get farther once its neighbours have moved.
         for _ in 0..3 {
             if remaining.is_empty() {
                 break;
