@@ -129,6 +129,7 @@ fn solid_offset(form: &SolidForm, by: f64) -> Option<SolidForm> {
         SolidForm::Capsule { ends, radius } => {
             SolidForm::Capsule { ends: *ends, radius: above_zero(radius + by)? }
         }
+        // A cylinder that shrinks keeps its sharp edges; if it grows, they become round.
         SolidForm::Cone { bottom, top, half } if bottom == top && by < 0.0 => {
             let radius = above_zero(bottom + by)?;
             SolidForm::Cone { bottom: radius, top: radius, half: above_zero(half + by)? }

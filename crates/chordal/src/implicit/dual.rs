@@ -261,6 +261,7 @@ fn beside<N: Scalar>(x: N) -> N {
 fn chain<N: GeneralizedDerivative>(op: Unary, a: Dual<N>, value: N, other: N) -> Dual<N> {
     let one = N::constant(1.0);
     let factor = match op {
+        // These two have gradients of their own below.
         Unary::Neg | Unary::Abs => one,
         Unary::Recip => neg(square(value)),
         Unary::Sqrt => recip(twice(value)),

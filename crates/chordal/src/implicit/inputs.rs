@@ -128,6 +128,7 @@ fn leaf_gradients(leaf: &dyn Leaf, points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>,
     let mut values = vec![0.0; around.len()];
     leaf.at(&around, &mut values)?;
     for (gradient, four) in gradients.iter_mut().zip(values.chunks_exact(4)) {
+        // The columns of the corners are orthogonal, so that each slope is a sum by itself.
         *gradient = std::array::from_fn(|k| {
             let sum = (four[0] * CORNERS[0][k] + four[1] * CORNERS[1][k])
                 + (four[2] * CORNERS[2][k] + four[3] * CORNERS[3][k]);

@@ -172,6 +172,7 @@ fn length_operands(terms: &[Term], term: &Term) -> Option<Operands> {
     match (square_of(a), square_of(b)) {
         (Some(a), Some(b)) => Some(Operands::new([a, b])),
         (Some(other), None) | (None, Some(other)) => {
+            // The two squares in the inner sum are added first on either side of the outer one.
             let [p, q] = sum_of(if square_of(a).is_some() { b } else { a })?;
             Some(Operands::new([square_of(p)?, square_of(q)?, other]))
         }

@@ -263,6 +263,7 @@ impl Tape {
             let keep = |k: usize, row: usize, value: N| coordinates[k][row] = value;
             ProgramRun { program, rows, axis: &axis, columns: &columns, put: keep }.dispatch();
             for (leaf, at) in leaves.iter().zip(coordinates.chunks_exact(3)) {
+                // Later stages read the columns of earlier ones.
                 columns.push(N::from_leaf(&**leaf, &to_triples([&at[0], &at[1], &at[2]]))?);
             }
         }

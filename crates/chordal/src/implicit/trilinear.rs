@@ -294,6 +294,7 @@ impl<G: SampleGrid> Leaf for Trilinear<G> {
                 let far = difference(0, 1) * (1.0 - part[p]) + difference(1, 1) * part[p];
                 near * (1.0 - part[q]) + far * part[q]
             });
+            // Beyond the lattice the value is constant along an index.
             for k in 0..3 {
                 if index[k] < 0.0 || index[k] > (self.grid.size()[k] - 1) as f64 {
                     slope[k] = 0.0;

@@ -71,6 +71,7 @@ impl Field {
             parts.push(cut(&[&prisms[k]], piece.start()?, piece.end()?, bounds));
             let next = (k + 1) % pieces.len();
             if next != 0 || is_closed {
+                // The last term of the union, without which the mitre plane would be a surface.
                 let bounds = bounds.union(self.corners(&pieces[next]));
                 parts.push(cut(&[&prisms[k], &prisms[next]], piece.start()?, pieces[next].end()?, bounds));
             }

@@ -15,6 +15,7 @@ impl Field {
         let at = std::array::from_fn(|k| if by[k] == 0.0 { axes[k].clone() } else { &axes[k] - by[k] });
         let bounds = self.bounds();
         let shift = |x: f64, by: f64, add: fn(f64, f64) -> f64| {
+            // Not rounded if nothing moves.
             if by == 0.0 || x.is_infinite() { x } else { add(x, by) }
         };
         let bounds = Box3 {

@@ -325,6 +325,7 @@ impl<'a> PrimitiveEvaluator<'a> {
                 continue;
             }
             let tape = &self.regions[primitive][0].tape;
+            // As long as there are no regions, few queries are not worth the first one.
             if !is_pruned(tape) || rows.len() < WORTH && self.regions[primitive].len() == 1 {
                 TapeBatch::push_all(number, tape, &rows, &mut batches);
                 continue;

@@ -162,6 +162,7 @@ impl ScaleOffset {
                 self.is_exact &= is_power_of_two(k);
             }
         }
+        // The largest size of the level on the way; NaN counts as larger.
         let size = (self.offset / self.scale).abs();
         self.size = if size > self.size || size.is_nan() { size } else { self.size };
     }

@@ -500,6 +500,7 @@ impl<'a> CsgBuilder<'a> {
                 MonotoneOp::Div(k) => (Some(k), |a, k| Term::Binary(Binary::Div, a, k)),
             };
             terms.extend(constant.map(Term::Const));
+            // The index of the constant, if there is one.
             let number = terms.len() as u32 - 1;
             terms.push(term(last, number));
             above = next;

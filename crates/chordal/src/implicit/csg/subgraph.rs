@@ -33,6 +33,7 @@ pub(super) fn subgraph_terms(terms: &[Term], root: u32) -> Vec<Term> {
             }
         }
     }
+    // In the order of the whole list, in which operands come first.
     needed.sort_unstable();
     needed.iter().enumerate().for_each(|(new, old)| {
         number.insert(*old, new as u32);

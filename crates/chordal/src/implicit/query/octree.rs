@@ -441,6 +441,7 @@ impl FieldOctree {
         if apart {
             return Ok(settled(FieldOctreeNode::Outside));
         }
+        // An interval without ends says nothing, but a distance may.
         let range = if range.is_entire() { self.classify_by_distance(pending, range)? } else { range };
         if let Some(part) = certain_side(range) {
             return Ok(settled(part));

@@ -219,11 +219,13 @@ impl BeamMarcher {
                 if self.begin_inside() {
                     return;
                 }
+                // From inside, all values are mirrored.
                 self.slope = [-self.slope[1], -self.slope[0]];
                 return self.plan_step(cells, -value);
             }
         }
         if self.crosses(value) {
+            // The value at the outer end is not known.
             let clear = self.clear;
             return self.refine_bracket(cells, RootBracket::new([clear, f64::NAN], [self.t, -value.abs()]));
         }

@@ -266,6 +266,7 @@ impl Leaf for HelixRise {
     }
 
     fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
+        // 2π is just above its rounded value.
         let tau =
             Interval::point(std::f64::consts::TAU).hull(Interval::point(std::f64::consts::TAU.next_up()));
         let [core, pitch] = [self.core, self.pitch].map(Interval::point);

@@ -56,6 +56,7 @@ impl TriangleDistance {
         let edges = [[a, b], [b, c], [c, a]].map(|[from, to]| {
             let along = difference(to, from);
             let t = dot(difference(p, from), along) / dot(along, along);
+            // NaN, for an edge without length, is not above 0.
             let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
             let offset: [f64; 3] = std::array::from_fn(|k| (p[k] - from[k]) - t * along[k]);
             (dot(offset, offset), offset)
