@@ -194,6 +194,7 @@ impl EdgeCollapser {
             if !self.is_kept_line(3 * face + k as u32) {
                 continue;
             }
+            // The plane through the edge, upright on the face, keeps vertices on the line.
             let along = difference(p[(k + 1) % 3], p[k]);
             let (upright, size) = unit_and_length(cross(along, normal));
             if size > 0.0 {

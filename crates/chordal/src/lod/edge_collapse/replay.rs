@@ -69,6 +69,7 @@ impl EdgeCollapser {
                 self.enqueue(g);
                 let arrives = previous_in_face(g);
                 g = self.surface.twin[arrives as usize];
+                // At a border, the only half-edge of the last edge arrives.
                 if g == NONE {
                     self.enqueue(arrives);
                 }
