@@ -184,6 +184,7 @@ impl<'a> FilledBorder<'a> {
         let mut loops = Vec::new();
         for (row, [a, b, c]) in self.filled.triangles.iter().enumerate() {
             for edge in [[*a, *b], [*b, *c], [*c, *a]] {
+                // An edge inside of the area, or of a loop that is known already.
                 if self.triangle_of.contains_key(&[edge[1], edge[0]]) || visited.contains(&edge) {
                     continue;
                 }

@@ -411,6 +411,7 @@ impl<'a> LabelMesher<'a> {
                 let mut corners = [at, at + 1, at + nx + 1, at + nx].map(|at| (0, at));
                 let mut sides =
                     [plane.edges[0][at], plane.edges[1][at + 1], plane.edges[0][at + nx], plane.edges[1][at]];
+                // The first plane is seen from the other side.
                 if end == 0 {
                     corners = [corners[3], corners[2], corners[1], corners[0]];
                     sides = [sides[2], sides[1], sides[0], sides[3]];

@@ -187,6 +187,7 @@ impl PlaneTriangulation {
                 self.add(p);
                 self.split_edge(c, new)
             }
+            // At a corner, or on the border.
             _ => return None,
         };
         self.legalize(&mut edges);

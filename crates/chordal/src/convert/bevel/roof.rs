@@ -75,6 +75,7 @@ impl<'j> Roof<'j> {
         let RoofLimits { width, rounding, allowed } = limits;
         let mut roof = Self { heights: Vec::new(), plane, tree, width, rounding, allowed, job };
         let mut heights: Vec<f64> = roof.plane.points.iter().map(|p| roof.height(*p)).collect();
+        // Exactly 0 at the border.
         border.iter().for_each(|edge| heights[edge[0] as usize] = 0.0);
         roof.heights = heights;
         roof

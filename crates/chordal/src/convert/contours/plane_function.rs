@@ -290,6 +290,7 @@ impl PlaneTerm {
             Binary::Mul => self.times(other),
             Binary::Div => {
                 let by = other.as_constant().filter(|by| by.lo() > 0.0 || by.hi() < 0.0)?;
+                // Exact in these cases, in which a quotient would be rounded outward.
                 let over = |x: Interval| if is_zero(x) || is_one(by) { x } else { x / by };
                 Some(match self {
                     Self::Quadratic(PlaneQuadratic(all)) => Self::Quadratic(PlaneQuadratic(all.map(over))),

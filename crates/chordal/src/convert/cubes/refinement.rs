@@ -348,6 +348,7 @@ impl OctreeRefinement<'_> {
             if signs != [true; 8] && signs != [false; 8] {
                 passed.push(part);
             }
+            // A rounded value within its error of the level may be on the other side.
             let is_near = |c: usize| (corners.values[c] - self.rule.level).abs() <= self.slack;
             is_sure &= !(0..8).any(|c| !corners.exact[c] && is_near(c));
         }

@@ -114,11 +114,13 @@ impl SignBits {
         for word in 0..self.width {
             let here = rows.map(|row| row[word]);
             let any = here[0] | here[1] | here[2] | here[3];
+            // The samples one step ahead in their rows.
             let next = rows.map(|row| shifted(row, word));
             let any_next = next[0] | next[1] | next[2] | next[3];
             if any | any_next == 0 {
                 continue;
             }
+            // Cells with all corners inside are not passed either.
             let all = (here[0] & here[1] & here[2] & here[3]) & (next[0] & next[1] & next[2] & next[3]);
             let mut active = (any | any_next) & !all & self.cells(word);
             while active != 0 {

@@ -499,6 +499,7 @@ impl OctreeSurface<'_> {
             }
             return;
         }
+        // Values between two that are outside are outside as well.
         if inside == [false; 2] {
             return;
         }

@@ -357,6 +357,7 @@ impl LinearCell<'_> {
     ) -> Vec<ArrangementCorner> {
         let n = piece.sides.len();
         let corner = |t: usize| {
+            // Each facet of the tetrahedron leaves out one of its four vertices.
             let (mut simplex, mut planes) = (15_u8, [i, NONE, NONE]);
             let mut n_planes = 1;
             for side in [piece.sides[(t + n - 1) % n], piece.sides[t]] {

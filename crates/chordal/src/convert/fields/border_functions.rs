@@ -59,6 +59,7 @@ impl<'a> PartPairs<'a> {
                 choice = choice.or(MaterialChoice::One(a.material));
             }
         }
+        // If the sides contradict each other, no part is nearest.
         if choice == MaterialChoice::Never { MaterialChoice::Several } else { choice }
     }
 }
@@ -102,6 +103,7 @@ impl<'a> BorderFunctions<'a> {
         let join = |pair: &PartPair, both: [Dual<f64>; 2]| {
             let size = |k: usize| {
                 let Dual { value, gradient } = both[k];
+                // The derivative of the absolute value.
                 let scale = if value < 0.0 { -pair.parts[k].scale } else { pair.parts[k].scale };
                 Dual { value: scale * value, gradient: gradient.map(|slope| scale * slope) }
             };

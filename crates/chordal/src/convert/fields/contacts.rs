@@ -89,7 +89,7 @@ impl<'a> ContactSearch<'a> {
             tried.push(pair);
             match self.contact_of(place, pair, at) {
                 Some(contact) if !contact.is_flush => return Some(contact),
-                found => flush = flush.or(found),
+                contact => flush = flush.or(contact),
             }
         }
         let edges =

@@ -94,6 +94,7 @@ fn search_plain(field: &Field, goal: &FieldMeshGoal, job: &Job) -> MeshResult {
         let mesh = placed.triangles(field)?;
         let most = goal.triangles.unwrap_or(u64::MAX);
         let fits = mesh.shape.faces().len() as u64 <= most.min(job.triangle_limit);
+        // Within a length, the triangles themselves are the best mesh, however many they are.
         if fits || goal.length.is_some() {
             return judged(mesh, goal);
         }

@@ -237,6 +237,7 @@ impl<const D: usize> SpanSearch<'_, D> {
         for i in 1..FITTED {
             let (a, b) = (index(i - 1), index(i));
             for (k, point) in points[a..b].iter().enumerate() {
+                // Points between those of the fit start from parameters between theirs.
                 let part = k as f64 / (b - a) as f64;
                 let near = (1.0 - part) * fitted.places[i - 1] + part * fitted.places[i];
                 places.push(foot(&fitted.cubic, *point, near));

@@ -409,6 +409,7 @@ impl TrimPieces {
         if edges.len() > MOST_CHECKED {
             return None;
         }
+        // Edges that only touch do not cross.
         let sides = |[a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]| {
             let both = [orient2d(a, b, p), orient2d(a, b, q)];
             both.contains(&Orientation::Front) && both.contains(&Orientation::Back)

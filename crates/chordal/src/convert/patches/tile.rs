@@ -451,6 +451,8 @@ impl TileTriangulator<'_> {
             self.worst = triangle.map(|id| self.vertex(id)).map(|knot| [place(knot.u, u), place(knot.v, v)]);
         }
         let [a, b, c] = triangle;
+        // At a pole, a triangle with two corners at one vertex is left out; elsewhere, the border has too few
+        // vertices.
         let twins = [self.coincidence(a, b), self.coincidence(b, c), self.coincidence(c, a)];
         if twins.contains(&VertexCoincidence::Collision) {
             self.collides = true;

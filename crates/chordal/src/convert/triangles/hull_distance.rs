@@ -146,6 +146,7 @@ impl FlatTriangle {
         };
         let (bound, least) = match &piece {
             LoopPiece::Quartic(quartic, off) => {
+                // The corners are points of the surface, so that no bound is less than their distance.
                 let ends = [0, 4, 14].map(|k| quartic.control[k]);
                 (far(&quartic.control) + off, ALMOST * far(&ends) - off)
             }

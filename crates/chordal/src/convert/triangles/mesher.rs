@@ -434,6 +434,7 @@ impl<'a> LoopRefinement<'a> {
         };
         let (next, last) = ((side + 1) % 3, (side + 2) % 3);
         let (place, inside) = (leaf.middle(side), self.interior_line(&leaf));
+        // Each half keeps one end of the side, and has the middle in place of the other.
         let (mut first, mut second) = (leaf, leaf);
         (first.vertices[next], first.places[next], first.lines[next]) = (vertex, place, inside);
         (second.vertices[side], second.places[side], second.lines[last]) = (vertex, place, inside);

@@ -235,6 +235,7 @@ impl SurfaceImprover<'_> {
             let at = self.middle_point(self.surface.start(*h), self.surface.end(*h));
             queries.push((self.label_of(*h), at));
             half_edges.push(*h);
+            // At a crease, both sides have a primitive of their own.
             if self.is_crease(*h) {
                 queries.push((self.label_of(t), at));
                 half_edges.push(t);

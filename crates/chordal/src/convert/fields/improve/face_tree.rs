@@ -258,6 +258,7 @@ fn halve(faces: &mut [(u32, FaceBox)]) -> usize {
     });
     let size = centres.max - centres.min;
     let axis = (1..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
+    // No two keys are equal, so that the halves do not depend on the selection.
     faces.select_nth_unstable_by(middle, |(f, a), (g, b)| {
         (a.min[axis] + a.max[axis]).total_cmp(&(b.min[axis] + b.max[axis])).then(f.cmp(g))
     });

@@ -31,6 +31,7 @@ impl SurfaceImprover<'_> {
                 break;
             }
             let mut far = self.far_edges()?;
+            // Faces only after all edges, whose splits change them.
             if far.is_empty() {
                 far = self.edges_of_far_faces()?;
             }
