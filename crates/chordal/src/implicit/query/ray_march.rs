@@ -459,7 +459,10 @@ impl BeamMarcher {
             self.record_hit(self.t);
             return CellCrossing::Settled;
         }
-        // The chord of the lower end is below it.
+        //   high *·.
+        //    low *·.`·-._              The chord of the lower end is below it, and that of the upper end above
+        //   --------*----`-*------→ t  it: a crossing is between the zeros of the chords.
+        //         free   reach
         let free = if low > 0.0 { to_end * (low / (low - low_end)) } else { 0.0 };
         if !is_sampled && self.slope[1] < 0.0 && high_end < 0.0 && high > 0.0 && (low > 0.0 || continuous) {
             // The value only falls, and the chord of the upper end is above it: this gives a bracket.
