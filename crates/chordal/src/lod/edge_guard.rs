@@ -180,6 +180,8 @@ fn turns_close(
     let n = change.after.len();
     // Between a face and the next one.
     let is_near = |k: usize| is_close(edge, [change.to, change.after[k % n].1[2]], tolerance);
+    // From the one face to the other on one side of the new point or on the other side, which only a closed
+    // fan has.
     let (low, high) = if from < to { (from, to) } else { (to, from) };
     (low..high).all(is_near) || (change.is_closed && (high..low + n).all(is_near))
 }

@@ -13,6 +13,11 @@ impl EdgeCollapser {
     /// The link condition: the ends of the edge have no common neighbours except the apexes of its faces, and
     /// no apex loses its last face.
     pub(super) fn satisfies_link_condition(&mut self, h: u32) -> bool {
+        //         c            c and d are the apexes of the edge's faces. A further common neighbour e would
+        //       /   \          have two edges to the point that a and b become.
+        //  e — a — — b — e
+        //       \   /
+        //         d
         let s = &self.surface;
         let (a, b) = (s.start[h as usize], s.end(h));
         let across = s.twin[h as usize];

@@ -56,6 +56,7 @@ impl CollapseRegions {
         if faces.len() == 1 {
             return None;
         }
+        // Vertices of several regions stay, so that regions fit together whatever is collapsed in each.
         let mut region_of = vec![NONE; at.len()];
         let mut is_between: Vec<bool> = kind.iter().map(|kind| *kind == CollapseVertexKind::Locked).collect();
         for (number, region) in (0..).zip(&faces) {
