@@ -404,6 +404,10 @@ impl TileTriangulator<'_> {
             PatchCorner::Whole => on_border(last),
             PatchCorner::Folded => on_border(last) + 1,
         };
+        //   inner[j] o------o     Each step adds a triangle on the last cross edge: with the next outer
+        //            | `.   |     vertex if `forward`, otherwise with the next inner one.
+        //            |   `. |
+        //   outer[i] o------o
         while i + 1 < outer.len() || j + 1 < inner.len() {
             let forward = if i + 1 == outer.len() {
                 false

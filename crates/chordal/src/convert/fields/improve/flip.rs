@@ -175,6 +175,11 @@ impl SurfaceImprover<'_> {
 
     /// The ends of an edge, and the apexes of its two faces.
     fn diamond(&self, h: u32) -> [u32; 4] {
+        //      c
+        //    /   \
+        //   a —h→ b
+        //    \   /
+        //      d
         let t = self.surface.twin(h);
         [self.surface.start(h), self.surface.end(h), self.surface.apex(h), self.surface.apex(t)]
     }
