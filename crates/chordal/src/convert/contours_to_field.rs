@@ -164,6 +164,7 @@ impl<'a> FilledBorder<'a> {
             let mut open = vec![first];
             while let Some(triangle) = open.pop() {
                 let [a, b, c] = self.filled.triangles[triangle as usize];
+                // A neighbour has the edge in the opposite direction.
                 for edge in [[b, a], [c, b], [a, c]] {
                     if let Some(other) = self.triangle_of.get(&edge)
                         && area[*other as usize] == u32::MAX

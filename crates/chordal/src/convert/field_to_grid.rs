@@ -161,6 +161,7 @@ fn fill_layer(
         for k in first[2]..end[2] {
             for j in first[1]..end[1] {
                 for i in first[0]..end[0] {
+                    // The output is one layer of bricks.
                     let row = lattice.row([i, j, k % BRICK]);
                     if let Some(value) = beyond {
                         out[row] = value;

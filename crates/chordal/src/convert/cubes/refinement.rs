@@ -270,6 +270,7 @@ impl OctreeRefinement<'_> {
             bounds.iter().filter(|leaf| is_open(leaf)).map(|leaf| leaf.cell).collect();
         let near = self.bounds_by_triangles(&proof, &open);
         let mut near = near.into_iter();
+        // The cells of `open` in the same order: a leaf changes only after it was tested.
         let mut better = bounds;
         for leaf in better.iter_mut().filter(|leaf| is_open(leaf)) {
             if let Some(most) = near.next().flatten() {

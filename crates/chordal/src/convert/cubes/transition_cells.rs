@@ -249,6 +249,7 @@ impl OctreeSurface<'_> {
         if signs == 0 || signs == u8::MAX {
             return;
         }
+        // On a halved face the neighbours have vertices that the table does not know.
         if self.has_halved_face(cell) {
             return self.fill_loops(cell, values, each);
         }
@@ -281,6 +282,7 @@ impl OctreeSurface<'_> {
     pub fn is_ordinary(&self, cell: OctreeCell) -> bool {
         !(0..27).filter(|n| *n != 13).any(|n: i64| {
             let by = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1];
+            // A cell that touches this one in a corner alone halves none of its edges.
             let is_at_corner = by.iter().all(|step| *step != 0);
             let at = std::array::from_fn(|k| i64::from(cell.at[k]) + by[k]);
             !is_at_corner && self.halved.is_halved(cell.level, at)
@@ -289,6 +291,7 @@ impl OctreeSurface<'_> {
 
     /// The vertex of an edge with ends on different sides.
     fn crossing(&self, mut edge: ValuedEdge) -> OctreeVertex {
+        // The ends are on different sides, so those of exactly one half are, too.
         while self.halved.is_edge_halved(edge.level, edge.axis, edge.low) {
             edge = self.halves(edge)[usize::from(!self.is_first_half_crossed(&edge))];
         }

@@ -398,6 +398,7 @@ fn restore_order(places: &mut [f64]) {
     for i in 1..n - 1 {
         let before = places[i - 1];
         if places[i].is_nan() || places[i] <= before || places[i] >= 1.0 {
+            // An equal share of what is left up to 1, so that the points behind it still have room.
             places[i] = before + (1.0 - before) / (n - i) as f64;
         }
     }

@@ -214,6 +214,7 @@ impl<'a> ContactSearch<'a> {
                 std::array::from_fn(|k| std::array::from_fn(|i| (moved[k][i] - miss[i]) / step));
             let down = slopes.map(|slope| dot(slope, miss));
             let mut nearer = None;
+            // More damping gives a shorter step that goes more nearly straight downhill.
             while nearer.is_none() && damping <= MOST_DAMPING {
                 let damped =
                     |i: usize, j: usize| dot(slopes[i], slopes[j]) + if i == j { damping } else { 0.0 };

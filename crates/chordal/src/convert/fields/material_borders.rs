@@ -188,6 +188,8 @@ impl BorderCutter<'_> {
                     _ if n_bent == 0 && cuts.len() <= MOST_CUTS => FaceState::Cut(cuts),
                     _ if edge.1 > self.tol => {
                         long_edges.insert(edge.0, 0.5);
+                        // What the samples said holds only for this face as a whole; its halves start from
+                        // what intervals proved.
                         FaceState::Open(Rc::new(sides))
                     }
                     // Too short to be bisected: without cuts, the middle of the face decides.

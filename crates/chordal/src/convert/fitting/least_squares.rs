@@ -13,6 +13,7 @@ pub(super) fn solve<const N: usize, const M: usize>(
         matrix.swap(column, pivot);
         right.swap(column, pivot);
         let divisor = matrix[column][column];
+        // Written so that NaN is refused, too.
         if !(divisor.abs() > 0.0 && divisor.is_finite()) {
             return None;
         }

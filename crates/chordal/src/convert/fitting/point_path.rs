@@ -163,6 +163,7 @@ impl<const D: usize> PointPath<D> {
             }
             let within = few.max(1).min(count);
             let step = within.div_ceil(SIDE).max(1);
+            // From the farthest inwards, so that thinning keeps that one.
             let mut i = within;
             while i > 0 {
                 let (length, index) = candidate(i);

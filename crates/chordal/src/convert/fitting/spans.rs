@@ -151,6 +151,7 @@ impl<const D: usize> SpanSearch<'_, D> {
                 good = span(tried);
             }
         }
+        // Here `good` is allowed, unless it has one segment; `bad` segments are too many, or beyond the run.
         while bad - (good.to - from) > 1 {
             let middle = (good.to - from) + (bad - (good.to - from)) / 2;
             let next = span(middle);

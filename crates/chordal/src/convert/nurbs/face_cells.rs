@@ -220,6 +220,7 @@ impl FaceCells {
     /// The corners of other cells on the sides of a cell.
     pub fn corners_on_sides(&self, cell: FaceCell) -> Vec<[f64; 2]> {
         let mut corners: Vec<[f64; 2]> = Vec::new();
+        // The cells of one patch are a lattice: only beside another patch can corners lie within a side.
         if !(0..2).any(|k| (0..2).any(|end| self.is_on_border(cell, k, end))) {
             return corners;
         }

@@ -225,6 +225,7 @@ impl CellTriangulator<'_> {
             let new_state = if is_inside { TrimCellState::Inside } else { TrimCellState::Outside };
             match *state {
                 TrimCellState::Unknown => *state = new_state,
+                // Edges pass through such a cell, so it hands no state on.
                 TrimCellState::Mixed => continue,
                 known if known == new_state => continue,
                 _ => return Err(TrimConflict::Crossing),
@@ -232,6 +233,7 @@ impl CellTriangulator<'_> {
             let mut is_open = false;
             cells.for_neighbours(cell, |beside| match beside {
                 Some(next) => queue.push_back((next, is_inside)),
+                // No edge encloses this part of the inside.
                 None => is_open |= is_inside,
             });
             if is_open {

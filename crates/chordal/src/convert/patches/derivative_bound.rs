@@ -111,6 +111,7 @@ pub(crate) fn max_barycentric_quadratic(a: f64, b: f64, c: f64) -> f64 {
     let (b, c) = if b < c { (c, b) } else { (b, c) };
     let (a, b) = if a < b { (b, a) } else { (a, b) };
     let lead = a - b;
+    // No triangle inequality: `a ≥ b + c`.
     if lead >= c {
         return 0.25 * a;
     }

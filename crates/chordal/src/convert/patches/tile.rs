@@ -259,6 +259,12 @@ impl TileTriangulator<'_> {
     /// The local vertex at grid position `(i, j)`. Positions on the border are valid only if that side has as many
     /// segments as the tile has cells, or at a corner.
     fn grid_id(&self, i: usize, j: usize) -> u32 {
+        // Each side owns its first corner:
+        //    (0, m) ←── side 2 ── (n, m)
+        //      │                    ↑
+        //    side 3               side 1
+        //      ↓                    │
+        //    (0, 0) ── side 0 ──→ (n, 0)
         let (n, m) = (self.n, self.m);
         let border = if j == 0 && i < n {
             self.sides[0] + i

@@ -54,6 +54,7 @@ fn beyond_axis(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         if p[0] >= 0.0 {
             kept.push(*p);
         }
+        // A corner on the axis is kept itself and must not come a second time, as a crossing.
         if (p[0] > 0.0 && q[0] < 0.0) || (p[0] < 0.0 && q[0] > 0.0) {
             let share = p[0] / (p[0] - q[0]);
             kept.push([0.0, p[1] + share * (q[1] - p[1])]);

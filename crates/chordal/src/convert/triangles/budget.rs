@@ -55,6 +55,7 @@ impl Approximation for LoopApproximation<'_, '_> {
         let most = triangle_limit(self.job);
         match self.mesher.refine(&self.allowance, lesser(requested, most))? {
             Some(proved) => Ok(Some(finish(&proved, &self.allowance, self.job))),
+            // The limit of the job stopped it, not the requested number.
             None if requested > most => Err(too_many(most as f64 + 1.0, triangles)),
             None => Ok(None),
         }
@@ -94,11 +95,14 @@ fn within_count(
     let most = most.min(triangle_limit(job));
     let ladder = LengthLadder { size: mesher.longest_diagonal(), per_octave: RUNGS, octaves: OCTAVES };
     let rung = |k: u32| Allowance::from_length(ladder.length(k));
+    // A length below the rounding does not fit, as one with too many triangles; greater ones may.
     let on = |k: u32| match mesher.refine(&rung(k), most) {
         Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::BelowPrecision => Ok(None),
         other => other,
     };
     let Some(mut best) = on(0)? else {
+        // Without a limit: either the refusal that `on` dropped, or the coarsest mesh, which has too many
+        // triangles.
         let Some(proved) = mesher.refine(&rung(0), u64::MAX)? else {
             return Err(Failure::refused(
                 RefusalCode::Budget,

@@ -107,6 +107,8 @@ impl FlatTriangle {
     fn interior_distance(&self, piece: LoopPiece<'_>) -> f64 {
         let open = BinaryHeap::from([self.queue_piece(piece, 0)]);
         let is_settled = |worst: &PriorityItem<LoopQueueEntry<LoopPiece<'_>>>, _| {
+            // No division brings a piece whose `least` is above the tolerance within it, and one such piece
+            // decides.
             let (bound, item) = (worst.bound, &worst.item);
             bound <= self.tolerance || item.least > self.tolerance || item.depth > DEEPEST
         };
