@@ -167,6 +167,7 @@ fn contours_offset(contours: &Contours, form: &PlanarForm, by: f64) -> Option<Co
     let quality = if by > 0.0 { distance.outside } else { distance.inside };
     let loops = contours.loops()?;
     let n_sides: usize = loops.iter().map(Vec::len).sum();
+    // Only an exact distance, less `by`, is negative in just this region.
     if quality != DistanceQuality::Exact || n_sides > MOST_SIDES {
         return None;
     }

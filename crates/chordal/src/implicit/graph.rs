@@ -130,6 +130,7 @@ impl GraphBuilder {
                 }
                 LoweringTask::Leave(expr, frame) => {
                     let ExprKind::At(child, at) = expr.kind() else { continue };
+                    // Frames are numbered once: this is the one that the child was lowered in.
                     let inner = self.inner_frame(at, frame);
                     let number = self.lowered[&(child.address(), inner)];
                     self.lowered.insert((expr.address(), frame), number);

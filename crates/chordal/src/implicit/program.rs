@@ -210,6 +210,7 @@ fn box_distance_operands(terms: &[Term], term: &Term) -> Option<Operands> {
             }
             _ => maxima.push(term),
         }
+        // Each open term gives at least one more operand.
         if maxima.len() + open.len() > sides.n {
             return None;
         }

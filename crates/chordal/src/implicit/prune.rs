@@ -86,6 +86,7 @@ impl ExprGraph {
         for (k, term) in terms.iter().enumerate().filter(|(k, _)| needed[*k]) {
             let new = |old: &u32| number[*old as usize];
             let copy = match (term, choices[k]) {
+                // A term that is replaced gets the number of what replaces it.
                 (Term::Binary(_, a, _), OperandChoice::First) => {
                     number[k] = new(a);
                     continue;

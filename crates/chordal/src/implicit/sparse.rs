@@ -76,6 +76,7 @@ impl SparseGrid {
     /// Appends the next eight planes.
     pub(crate) fn push(&mut self, layer: BrickSlab) {
         let first = (self.values.len() / VOLUME) as u32;
+        // The marks of absent bricks are above all numbers, and stay.
         let placed = layer.directory.iter().map(|brick| if *brick < INSIDE { first + brick } else { *brick });
         self.directory.extend(placed);
         self.values.extend(layer.values);

@@ -81,6 +81,7 @@ fn distribute([a, b]: [&Expr; 2], blend: &dyn Fn(&Expr, &Expr) -> Expr, n_left: 
             None => return blend(a, b),
         },
     };
+    // Each choice doubles the pieces, so all levels share one count.
     *n_left -= 1;
     let [p, q] = choice
         .parts
@@ -180,6 +181,7 @@ fn largest_side<'a>(root: &'a Expr, inside: &'a Expr) -> Option<&'a Expr> {
     else {
         return None;
     };
+    // By address: equal sides that were built apart are taken for different ones.
     let mut above = Vec::new();
     let mut open = vec![sum];
     while let Some(part) = open.pop() {

@@ -103,6 +103,7 @@ impl AffineTerms {
     /// The planes of a term, if it is linear and not constant.
     pub fn family(&mut self, term: u32) -> Option<PlaneFamily> {
         let affine = self.all[term as usize].filter(|affine| !affine.is_constant())?;
+        // Opposite gradients are one family: that whose first component other than 0 is positive.
         let is_opposite = affine.gradient.iter().find(|x| **x != 0.0).is_some_and(|x| *x < 0.0);
         let normalized = if is_opposite { affine.negated() } else { affine };
         let next = self.families.len() as u32;
@@ -121,6 +122,7 @@ fn combined(op: Binary, a: AffineTerm, b: AffineTerm) -> Option<AffineTerm> {
         Binary::Sub => a.plus(b.negated()),
         Binary::Mul if b.is_constant() => a.times(b.offset),
         Binary::Mul if a.is_constant() => b.times(a.offset),
+        // Of a power of two alone, the reciprocal is exact.
         Binary::Div if b.is_constant() && is_power_of_two(b.offset) => a.times(1.0 / b.offset),
         _ => None,
     }

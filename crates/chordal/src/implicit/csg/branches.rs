@@ -141,6 +141,7 @@ impl ContinuousBranches {
             let step = steps.next_if(|(step, _)| step.term == k as u32);
             let copy = match (step.map(|(step, value)| (step.how, *value as f64)), term) {
                 (Some((RoundingMode::Remainder(period), times)), Term::Binary(_, a, _)) => {
+                    // The product stays a term, so that intervals round it outwards.
                     let first = terms.len() as u32;
                     terms.extend([Term::Const(times), Term::Const(period)]);
                     terms.push(Term::Binary(Binary::Mul, first, first + 1));

@@ -128,6 +128,7 @@ impl HullCorners {
             SolidForm::Extruded { profile, half } => {
                 let outline = match profile {
                     PlanarForm::Contours(contours) => {
+                        // Each corner of a closed contour begins one edge.
                         planar_corners(&contours.edges.iter().map(|edge| edge.a).collect::<Vec<_>>())
                     }
                     PlanarForm::Rectangle { half: [x, y], radius: 0.0 } => {
