@@ -371,6 +371,7 @@ impl<'a> ProgressiveSimplifier<'a> {
             return Ok(Default::default());
         }
         let normals = self.mesh.attribute(&Semantic::Normal);
+        // Normals of flat shading are recomputed from the faces: no limit holds for them.
         let has_own_normals = normals.is_some_and(|normals| is_carried(self.mesh, normals));
         let limit = |semantic: &Semantic| match semantic {
             Semantic::TexCoord(_) => self.attributes.texcoord(),

@@ -89,6 +89,7 @@ impl SurfacePart {
                     "parts have other attributes than the first one, or some that belong to no vertex";
                 return Err(refused(RefusalCode::Unsupported, message.into()));
             }
+            // `shared` ascends by row, so that one pass finds the key of each row.
             let mut keys = part.shared.iter().peekable();
             let mut numbers = Vec::with_capacity(part.mesh.positions().len());
             for (row, point) in (0_u32..).zip(part.mesh.positions()) {

@@ -99,6 +99,7 @@ impl Wedges {
         let rows = mesh.faces().as_flattened();
         for h in 0..surface.start.len() as u32 {
             let t = surface.twin[h as usize];
+            // Joins the two corners at the start of `h`; its twin joins those at the other end.
             if t != NONE && !is_line[h as usize] && !stays(rows[h as usize]) {
                 joined.union(wedges.corner_row[h as usize], wedges.corner_row[next_in_face(t) as usize]);
             }

@@ -72,6 +72,7 @@ impl EdgeCollapser {
         };
         let position = self.position_of(stays);
         let is_other_fan = |v: u32| v != stays && self.position_of(v) == position;
+        // The new edges lead from `stays` to the neighbours of `goes`.
         around(goes).filter(|v| *v != stays).all(|v| !tied(v) && !around(v).any(is_other_fan))
     }
 
