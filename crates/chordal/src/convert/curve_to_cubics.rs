@@ -76,6 +76,7 @@ pub fn curve_to_cubics<const D: usize>(
         match piece {
             CurveSegment::Line(_) | CurveSegment::Cubic(_) => pieces.push(piece.clone()),
             CurveSegment::Rational(rational) if rational.degree() == 1 => {
+                // Of degree 1 it is a segment, whatever its weights: they only move the parameter.
                 pieces.push(CurveSegment::Line(rational.ends()));
                 let lost = add_up(curve.slack(), rounding(piece));
                 at_most = greater(lost, at_most);

@@ -74,6 +74,7 @@ fn field<const D: usize>(
     let mut bounds = Box3 { min: min.map(|x| sub_down(x, radius)), max: max.map(|x| add_up(x, radius)) };
     let mut coordinates = Expr::axes();
     if D < 3 {
+        // A field of the plane is the same at every z.
         coordinates[2] = Expr::constant(0.0);
         (bounds.min[2], bounds.max[2]) = (f64::NEG_INFINITY, f64::INFINITY);
     }

@@ -150,6 +150,7 @@ fn mesh_at(
     let length = Tolerance::new(length).map_err(|_| below_precision())?;
     let fitted = match nurbs_to_patches(surfaces, length, job) {
         Ok(patches) => patches,
+        // Patches that miss the length have a bound, too; what it leaves of the budget decides.
         Err(Failure::Unmet(best)) => *best,
         Err(Failure::Refused(refusal)) => return Err(Failure::Refused(refusal)),
         Err(Failure::Cancelled) => return Err(Failure::Cancelled),

@@ -378,6 +378,7 @@ impl<'a> OutlineCorners<'a> {
                 if one.is_open {
                     let [from, to] = one.ends;
                     let middle = curve.at(0.5 * (from + to));
+                    // No point of the piece is farther from its middle than half its length.
                     let half = 0.5 * curve.speed() * (to - from) + 2.0 * arrangement.slack;
                     let (min, max) = (middle.map(|x| x - half), middle.map(|x| x + half));
                     boxes.push(CornerBox { min, max });

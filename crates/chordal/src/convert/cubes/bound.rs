@@ -320,6 +320,7 @@ impl<'a> IsosurfaceProof<'a> {
             gives_up: true,
             octree: None,
         };
+        // A search gives up once it is beyond its aim, so that low aims are cheap to try first.
         let mut most = diagonal;
         let mut aim = STORED * greater(self.enough, self.fine * diagonal);
         while most > aim {

@@ -92,6 +92,7 @@ impl MaskCellBounds {
                 gives_up: true,
                 octree: None,
             };
+            // A search gives up once it is beyond its aim, so that low aims are cheap to try first.
             let (mut most, mut aim) = (diagonal, FIRST_AIM * diagonal);
             while most > aim {
                 most = lesser(prover.cell_distance([0; 3], aim), most);

@@ -475,6 +475,7 @@ impl OctreeSurface<'_> {
         let firsts = (0..4).filter(|&i| if is_whole { i == 0 } else { inside[i] && !inside[(i + 3) % 4] });
         for first in firsts {
             let run = (1..4).find(|n| !inside[(first + n) % 4]).unwrap_or(4);
+            // A run begins on the side before its first corner, where the surface crosses that side.
             let mut polygon = if is_whole { Vec::new() } else { side((first + 3) % 4) };
             for number in first..first + run {
                 polygon.push(corner(number % 4));

@@ -72,6 +72,7 @@ impl SampledSigns {
         let [nx, ny, nz] = n_points;
         for (p, _) in has_leaves.iter().enumerate().filter(|(_, has_leaves)| **has_leaves) {
             let range = evaluator.dual_ranges(&[(p as u32, bounds)])?[0].value;
+            // Samples serve only where intervals say nothing.
             if range.iter().all(|end| end.is_finite()) {
                 continue;
             }

@@ -144,6 +144,7 @@ impl SignLattice {
                 return Ok(open);
             }
             level -= 1;
+            // Each block becomes eight, of three numbers of four bytes.
             check_memory(8 * 12 * open.len() as u64, job)?;
             let parts = open.iter().flat_map(|at| {
                 (0..8_u32).map(move |part| [0, 1, 2].map(|k| 2 * at[k as usize] + (part >> k & 1)))

@@ -210,11 +210,13 @@ fn are_corners<const D: usize, T>(
                 let [a, b, c] = [(i + n - 1) % n, i, (i + 1) % n].map(|i| points[distinct[i]]);
                 let unit = |from: [f64; D], to: [f64; D]| {
                     let step = difference(to, from);
+                    // By the largest component first, so that no square overflows or vanishes.
                     let size = step.iter().fold(0.0, |size: f64, x| greater(size, x.abs()));
                     let step = step.map(|x| x / size);
                     let norm = length(step);
                     step.map(|x| x / norm)
                 };
+                // At 180° nothing is a corner, not even by rounding.
                 *deg < 180.0 && dot(unit(a, b), unit(b, c)) < least
             };
             Ok((0..n).map(turns).collect())

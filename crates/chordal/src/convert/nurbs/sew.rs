@@ -239,6 +239,7 @@ fn matches_of(
         let ends = edge.ends.map(|id| other_face.positions[id as usize]);
         let far = ends.map(|end| distance(end, p));
         let nearer = usize::from(far[1] < far[0]);
+        // An end takes precedence over a point beside it, so that vertices become one.
         if far[nearer] <= near_at(other_face.polygons.vertices[edge.ends[nearer] as usize]) {
             matches.push(VertexMatch::Same(place.face, edge.ends[nearer]));
             continue;

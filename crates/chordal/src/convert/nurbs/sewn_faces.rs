@@ -65,6 +65,7 @@ pub(super) fn same_vertices(
             if roots[0] == roots[1] {
                 continue;
             }
+            // United, two places of such a face would be one, and it would vanish again.
             let [kept_in_a, other] = roots.map(|root| members.get(&root).map_or(&[][..], Vec::as_slice));
             let is_kept = kept_in_a.iter().any(|a| {
                 let differs = |b: &KeptVertex| distance(a.vertex, b.vertex) > kept[&a.face];

@@ -273,6 +273,7 @@ impl TrimPieces {
                 } else {
                     1.0
                 };
+                // With one part or none the edge is near enough, and stays whole.
                 let n = if n < MOST_AT_ONCE { n as usize } else { 2 };
                 let part = |k: usize| from + (to - from) * (k as f64 / n as f64);
                 (1..n).map(part).map(|part| (self.lattice_point(lattice, edge.piece, part), part)).collect()

@@ -327,6 +327,7 @@ fn join(
         return Err(Failure::refused(RefusalCode::Budget, message));
     }
     flat.extend(dropped);
+    // Parts of the surface for which the mesh has no triangle.
     if !flat.is_empty() {
         let by_leader = |list: &[[u32; 3]]| list.iter().map(|t| t.map(leader)).collect::<Vec<_>>();
         at_most += uncovered(&by_leader(&flat), &by_leader(&kept), &positions);

@@ -84,6 +84,7 @@ impl<'a> PatchMesher<'a, '_> {
         self.check_limits(&sheets, &open, allowance)?;
         self.cut_tiles(&mut sheets, open, allowance)?;
         let (next, origins) = self.join_sheets(sheets, safety_factors);
+        // Where a neighbour has changed the border of a kept tile, the tile's triangles are of no use.
         let take = |(index, origin): (usize, Option<usize>)| {
             let origin = origin.filter(|origin| next.seams.has_same_border(index, &plan.seams, *origin))?;
             done[origin].take()

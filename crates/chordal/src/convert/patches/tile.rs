@@ -147,6 +147,7 @@ pub(crate) fn normal_deviation(
     let mut most = 0.0;
     for t in &done.triangles {
         let [a, b, c] = t.map(|k| knots[k as usize]);
+        // The normal of a triangle no larger than the tolerance says nothing.
         let is_visible =
             [a.at - b.at, b.at - c.at, c.at - a.at].iter().any(|side| side.length() > tile.tolerance);
         let face = is_visible.then(|| face_normal([a.at, b.at, c.at].map(Into::into))).flatten();

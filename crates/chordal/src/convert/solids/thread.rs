@@ -66,12 +66,14 @@ pub(super) fn thread(profile: &ThreadProfile, half: f64, length: f64) -> Option<
         |row: u32, corner: u32| if corner + 1 < n_row { at(row, corner + 1) } else { at(row + around, 0) };
     let mut faces = Vec::new();
     for k in 0..n_rows - 1 {
+        // Above the last turn there is no other to join its last corners to.
         let n_quads = if k + 1 + around < n_rows { n_row } else { n_row - 1 };
         for corner in 0..n_quads {
             let [a, b, c, d] = [at(k, corner), at(k + 1, corner), above(k + 1, corner), above(k, corner)];
             faces.extend([[a, b, c], [a, c, d]]);
         }
     }
+    // Fans around two points on the axis close the ends.
     let (first, last) = (positions.len() as u32, positions.len() as u32 + 1);
     let (lowest, highest) = (positions[0][2], positions[positions.len() - 1][2]);
     positions.extend([[0.0, 0.0, lowest + 0.5 * pitch], [0.0, 0.0, highest - 0.5 * pitch]]);

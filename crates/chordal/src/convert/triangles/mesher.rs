@@ -325,6 +325,7 @@ impl<'a> LoopRefinement<'a> {
     fn flip(&mut self, job: &Job) {
         let mut owners: BTreeMap<[u32; 3], Vec<(usize, usize)>> = BTreeMap::new();
         for (index, (leaf, leaf_bound)) in self.leaves.iter().enumerate() {
+            // Only leaves without a bound, so that no proof is lost.
             if leaf_bound.is_none()
                 && matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Polynomial(_))
             {

@@ -272,6 +272,7 @@ impl SurfaceImprover<'_> {
                 let (from, to) = (self.at(*v), targets.at[k]);
                 let reach = self.size_around(*v, &self.position);
                 let reach = greater(reach, 4.0 * self.tol);
+                // Written so that a target that is no number is left out, too.
                 if !((to - from).length() <= reach) {
                     continue;
                 }
