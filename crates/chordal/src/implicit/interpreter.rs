@@ -186,6 +186,7 @@ impl<N: BlockScalar> BlockInterpreter<N> {
                 binary::<N, _, _>(op, n, spare, claims, Broadcast(constant), BlockValues::<N>(a))
             }
         }
+        // The register may hold an operand, so the result is written beside it.
         std::mem::swap(spare, &mut registers[step.out as usize]);
     }
 }

@@ -197,6 +197,7 @@ impl Binary {
             }
             Self::LogSumExp => {
                 let (low, high) = if a < b { (a, b) } else { (b, a) };
+                // The difference of two equal infinities would be NaN.
                 let fall = if low == high { 0.0 } else { low - high };
                 high + elementary::ln(1.0 + elementary::exp(fall))
             }

@@ -59,6 +59,8 @@ impl Field {
         };
         let copies: Vec<Self> = coordinates_of(&RepeatWindow::nearby).iter().map(|at| self.at(at)).collect();
         let distance = self.distance().union(self.distance());
+        // Which copies are taken changes from cell to cell; only exact distances to the nearest one agree
+        // there.
         let jumps = self.distance().outside != DistanceQuality::Exact && windows.iter().any(|w| w.len() > 1);
         let outside = if jumps { DistanceQuality::Sign } else { distance.outside };
         let mut bounds = Field::EVERYWHERE;

@@ -155,6 +155,8 @@ impl Field {
         let Box3 { min, max } = self.bounds();
         let weak = |q: DistanceQuality| lesser(q, DistanceQuality::Bound);
         let Distance { outside, inside } = slice_distance(self);
+        // What lies beyond the axis is cut off, and a side on the axis is none of the solid: there the
+        // profile's distance may be less than the solid's.
         let distance = Distance {
             outside: if min[0] >= 0.0 { outside } else { weak(outside) },
             inside: if min[0] > 0.0 { inside } else { weak(inside) },

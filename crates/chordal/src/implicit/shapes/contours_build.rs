@@ -61,6 +61,7 @@ pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
             let half = run.len() / 2;
             order[run.clone()]
                 .select_nth_unstable_by(half, |l, r| middle(l).total_cmp(&middle(r)).then(l.cmp(r)));
+            // The first half is taken from the stack next, so that the first child follows its parent.
             waiting.push((run.start + half..run.end, Some(at)));
             waiting.push((run.start..run.start + half, None));
         }
