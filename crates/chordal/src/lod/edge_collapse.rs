@@ -531,6 +531,8 @@ impl EdgeCollapser {
         self.feature_deviation[b as usize] = self.feature_deviation(collapse);
         let sum = self.quadric[a as usize];
         self.quadric[b as usize].add(&sum);
+        // With the anchor `End`, `b` stays what it was; with `Start` it becomes `a`; anywhere else it is no
+        // vertex of the original.
         if collapse.anchor != CollapseAnchor::End {
             let from_start = collapse.anchor == CollapseAnchor::Start;
             self.is_original[b as usize] = from_start && self.is_original[a as usize];

@@ -126,6 +126,8 @@ impl OriginalEdges {
                 let to = match samples.pending_holder(u) {
                     // Each edge is checked from one end only.
                     Some(_) if u < v => continue,
+                    // One triangle holds both ends and is convex: no point of the edge is farther from it
+                    // than they are.
                     Some(face) if face == change.after[from].0 => continue,
                     Some(face) => position_of(face),
                     None => {

@@ -98,6 +98,7 @@ impl LatticeFragment {
         }
         let mut triangles = cutter.finished();
         if triangles.drop_flat() {
+            // A triangle that replaces a segment reaches one step beside it.
             let steps = [0, 1, 2].map(|axis| within.step_up(axis));
             moved = add_up(moved, steps.into_iter().fold(0.0, greater));
         }

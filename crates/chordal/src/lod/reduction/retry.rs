@@ -80,6 +80,7 @@ impl<'a> MeshReduction<'a> {
         let mut holders = Vec::with_capacity(monitor.samples.len());
         for sample in 0..monitor.samples.len() as u32 {
             let holder = then.samples.holder(sample);
+            // A triangle that is as it was is as near to its samples as it was.
             if holder == NONE || is_same[holder as usize] {
                 holders.push(holder);
                 continue;
