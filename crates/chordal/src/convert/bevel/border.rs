@@ -109,6 +109,7 @@ fn build(edges: &mut [[[f64; 2]; 2]], first: usize, nodes: &mut Vec<BorderNode>)
     edges.select_nth_unstable_by(middle, |a, b| (a[0][k] + a[1][k]).total_cmp(&(b[0][k] + b[1][k])));
     let (left, right) = edges.split_at_mut(middle);
     build(left, first, nodes);
+    // The first child follows its parent.
     nodes[at].second = nodes.len() as u32;
     build(right, first + middle, nodes);
 }

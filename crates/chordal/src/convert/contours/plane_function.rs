@@ -228,6 +228,7 @@ impl PlaneQuadratic {
         if !self.is_linear() || !other.is_linear() {
             return None;
         }
+        // (ax + by + c) · (dx + ey + f), by x², xy, y², x, y and 1.
         let ([_, _, _, a, b, c], [_, _, _, d, e, f]) = (self.0, other.0);
         let mixed = |p: Interval, q: Interval, r: Interval, s: Interval| sum(product(p, s), product(q, r));
         Some(Self([

@@ -341,6 +341,7 @@ pub(super) fn estimate(traced: &TracedContours, job: &Job) -> Result<f64, LeafEr
         let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
         block.tape.gradient_at(&points, &mut slopes)?;
         Ok(slopes.iter().fold(0.0, |most, slope| {
+            // To first order; where the gradient vanishes, this says nothing.
             let far = slope.value.abs() / length([slope.gradient[0], slope.gradient[1]]);
             if far.is_finite() && far > most { far } else { most }
         }))

@@ -91,6 +91,7 @@ pub(crate) fn gradient_normals<S: SampleSource>(
             here
         };
         let to_space = |g: [f64; 3]| gradient.to_space(g);
+        // Where the mean vanishes, the ends of the crossed edge still differ.
         unit(to_space(mean)).or_else(|| unit(to_space(along))).unwrap_or([0.0, 0.0, 1.0])
     })
 }

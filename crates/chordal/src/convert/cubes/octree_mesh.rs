@@ -55,6 +55,7 @@ impl OctreeMesh {
         for (group, CellGroup { vertices, .. }) in groups.iter().enumerate() {
             all.extend(vertices.iter().enumerate().map(|(at, vertex)| (vertex.0, group as u32, at as u32)));
         }
+        // By place, so that the numbers do not depend on the groups.
         all.sort_unstable();
         let mut octree_mesh = Self { positions: Vec::new(), faces: Vec::new(), normals: Vec::new() };
         let mut numbers: Vec<Vec<u32>> = groups.iter().map(|group| vec![0; group.vertices.len()]).collect();
@@ -96,6 +97,7 @@ impl CellGroup {
             }
             numbers[at as usize] = group.vertices.len() as u32 - 1;
         }
+        // A map that mirrors turns triangles inside out.
         let is_upright = surface.affine.orientation() > 0;
         let turned = |face: &[u32; 3]| if is_upright { *face } else { [face[0], face[2], face[1]] };
         group.faces = numbers.as_chunks::<3>().0.iter().map(turned).collect();

@@ -324,6 +324,7 @@ impl OctreeRefinement<'_> {
         halved.iter().for_each(|cell| changed.set_around(cell.root()));
         self.halved.halve(&halved);
         let mut leaves = Vec::with_capacity(self.leaves.len() + 4 * halved.len());
+        // In the order of the leaves.
         let mut parts = parts.into_iter();
         for leaf in std::mem::take(&mut self.leaves) {
             if !self.halved.is_cell_halved(leaf.cell) {

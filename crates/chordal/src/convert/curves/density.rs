@@ -299,6 +299,7 @@ impl<const D: usize> FlattenScratch<D> {
             return worst;
         }
         let scale = 1.0 / tolerance;
+        // A deviation goes with the square of the chord: this many chords of equal deviations would just do.
         let wanted = self.deviations[..n].iter().fold(0.0, |sum, loss| sum + (loss * scale).sqrt());
         if wanted > (n - 1) as f64 {
             return worst;

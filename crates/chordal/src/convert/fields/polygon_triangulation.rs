@@ -81,6 +81,7 @@ impl BridgedPolygon<'_> {
                 && neighbours.contains(&((at + 1) % n))
                 && neighbours.contains(&((at + n - 1) % n))
         };
+        // A flat triangle, whatever rounding makes of its area.
         if (0..3).any(is_flat) {
             return FORBIDDEN;
         }

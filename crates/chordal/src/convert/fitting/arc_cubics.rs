@@ -54,6 +54,7 @@ pub(crate) fn count<const D: usize>(arc: &Arc<D>, length: f64) -> (f64, f64) {
 
 /// An arc as `n` equal cubics.
 pub(crate) fn cubics<const D: usize>(arc: &Arc<D>, n: usize) -> Vec<Bezier<D>> {
+    // With this length the middle of each cubic is on the arc, too.
     let handle = 4.0 / 3.0 * libm::tan(arc.sweep_rad().abs() / n as f64 / 4.0);
     let joint = |i: usize| {
         let t = i as f64 / n as f64;

@@ -116,6 +116,7 @@ pub(super) fn sew(faces: &mut [TrimmedFace<'_>], goals: &[f64], near: f64, job: 
         }
         face.halve_doubled_edges(OWN * near);
     }
+    // Once more, for the vertices of the refined loops.
     unions.extend(exchange(faces, near, job));
     let mut first = Vec::with_capacity(faces.len());
     let mut n = 0;

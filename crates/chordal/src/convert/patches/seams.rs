@@ -379,6 +379,7 @@ struct SeamNodes<'a> {
 
 impl<'a> SeamNodes<'a> {
     fn new(adjacency: &'a PatchAdjacency, entries: &[TileSide], tiles: &[PatchTile]) -> Self {
+        // Corners of sheets come first, then points on edges, then corners of tiles within sheets.
         let mut count = adjacency.corner_positions.len() as u32;
         let mut on_edges = vec![Vec::new(); adjacency.edges.len()];
         for run in entries.chunk_by(|a, b| a.line == b.line) {

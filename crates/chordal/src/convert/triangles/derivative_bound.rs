@@ -74,6 +74,7 @@ impl SecondDerivativeBound {
             let farthest = distances.fold(0.0, |most: f64, distance| greater(distance, most));
             let chord = DVec3::from(corners[(side + 1) % 3]) - DVec3::from(corners[side]);
             by_side[side] = across(0.5 * centre, chord);
+            // Half of a second derivative comes in times λᵢ · λⱼ, which is ¼ at most.
             spread += farthest / 8.0;
             sides[side] = by_side[side] + 0.5 * farthest;
         }

@@ -224,6 +224,7 @@ impl FlatTriangle {
     ) -> PriorityItem<LoopQueueEntry<(LoopSideCurve<'a>, [f64; 2])>> {
         let (far, off, least) = match &curve {
             LoopSideCurve::Quartic(points, off) => {
+                // The ends are points of the surface, so that no bound is less than their distance.
                 let ends = self.distances_from_side(side, &[points[0], points[4]]);
                 (self.distances_from_side(side, points), *off, ALMOST * ends[0] - off)
             }
