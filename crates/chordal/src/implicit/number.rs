@@ -290,6 +290,7 @@ impl Scalar for TapeInterval {
     #[inline(always)]
     fn binary(op: Binary, x: Self, y: Self) -> Self {
         let (a, b) = (x.ends, y.ends);
+        // Defined only where both operands are.
         let joined = x.to(a, y.defined, y.some);
         match op {
             Binary::Add => joined.to(a.add(b), true, true),

@@ -61,6 +61,7 @@ fn from_segment(from: [f64; 3], along: [f64; 3]) -> Vec<Expr> {
     let axes = Expr::axes();
     let way: [Expr; 3] = std::array::from_fn(|k| &axes[k] - from[k]);
     let Some(direction) = unit(along) else { return way.to_vec() };
+    // The axis that turns away most, so that the cross product is not short.
     let smallest =
         (1..3).fold(0, |k, axis| if direction[axis].abs() < direction[k].abs() { axis } else { k });
     let axis = std::array::from_fn(|k| if k == smallest { 1.0 } else { 0.0 });
