@@ -350,6 +350,7 @@ impl PlaneTriangulation {
                 if self.corners[apex as usize] == to {
                     break None;
                 }
+                // The side by which the line leaves the triangle beyond.
                 c = match orient2d(o, end, self.point(apex)) {
                     Orientation::Front => next(beyond),
                     Orientation::Back => previous(beyond),

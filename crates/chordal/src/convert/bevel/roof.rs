@@ -179,8 +179,9 @@ impl<'j> Roof<'j> {
     fn cast(&mut self, corner: u32, ray: [f64; 2]) -> Option<RayEnd> {
         let from = self.point(corner);
         let at = |t: f64| [from[0] + t * ray[0], from[1] + t * ray[1]];
-        // At a corner that is turned inwards, the circles around points of the ray, through the corner, lie one
-        // in the other: if it is nearest to a point, it is nearest to all before it. So bisection finds the last.
+        // At a corner that is turned inwards, the circles around points of the ray, through the corner, lie
+        // one in the other: if it is nearest to a point, it is nearest to all before it, and bisection finds
+        // the last.
         let holds = |t: f64| self.tree.nearest(at(t)).0 >= t * (1.0 - NEAR);
         let is_top = holds(self.width);
         let (mut low, mut high) = (0.0, self.width);

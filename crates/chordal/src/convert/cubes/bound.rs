@@ -428,9 +428,9 @@ impl<'a> CellBatch<'a> {
         run(MinSlopeKernel { corners: &self.corners, out: &mut slowest });
         let mut axes = [3; LANES];
         for (lane, at) in self.at.iter().enumerate() {
-            // The axis with the largest slope of its slowest edge; preferably an axis with three cells.
+            // The axis with the largest slope of its slowest edge; but one with three cells in a row comes
+            // first, whatever its slope.
             let mut best = (false, 0.0);
-            // An axis with three cells in a row comes first, whatever its slope.
             for axis in 0..3 {
                 let slope = slowest[axis][lane];
                 let has_row = at[axis] > 0 && at[axis] + 2 < self.proof.size[axis];

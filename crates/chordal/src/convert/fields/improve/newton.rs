@@ -61,6 +61,7 @@ impl ProjectionBatch {
                     let is_far = !(distance <= SETTLED * tol);
                     let (from, last_distance) = &mut before[*k as usize];
                     let at = self.at[*k as usize];
+                    // The last step led no nearer: half of it is taken back.
                     if is_far && !(distance < *last_distance) && at != *from {
                         self.at[*k as usize] = 0.5 * (*from + at);
                         return true;
