@@ -460,8 +460,8 @@ impl BeamMarcher {
             return CellCrossing::Settled;
         }
         //   high *·.
-        //    low *·.`·-._              The chord of the lower end is below it, and that of the upper end above
-        //   --------*----`-*------→ t  it: a crossing is between the zeros of the chords.
+        //    low *·.`·-._             The chord of the lower end is below it, and that of the upper end
+        //   --------*----`-*----→ t   above it: a crossing is between the zeros of the chords.
         //         free   reach
         let free = if low > 0.0 { to_end * (low / (low - low_end)) } else { 0.0 };
         if !is_sampled && self.slope[1] < 0.0 && high_end < 0.0 && high > 0.0 && (low > 0.0 || continuous) {
