@@ -14,8 +14,11 @@ impl BigInt {
     pub(super) fn from_f64(x: f64) -> Self {
         let exponent = (x.to_bits() >> 52) & 0x7ff;
         let fraction = x.to_bits() & ((1 << 52) - 1);
+        // A subnormal has no hidden bit, but the unit of the smallest normal numbers (exponent 1):
+        // neither is shifted.
         let (mantissa, shift) =
             if exponent == 0 { (fraction, 0) } else { (fraction | 1 << 52, exponent as usize - 1) };
+        // Whole limbs first, so that the rest, 53 bits shifted by at most 31, fits in a u128.
         let mut limbs = vec![0; shift / 32];
         let mut remaining = u128::from(mantissa) << (shift % 32);
         while remaining > 0 {
@@ -75,6 +78,7 @@ impl Mul for &BigInt {
                 limbs[i + j] = t as u32;
                 carry = t >> 32;
             }
+            // Not added: no earlier row has reached this limb.
             limbs[i + other.limbs.len()] = carry as u32;
         }
         BigInt { negative: self.negative != other.negative, limbs: trimmed(limbs) }

@@ -64,6 +64,7 @@ impl Box3 {
         }
         let [x, y, z]: [f64; 3] = std::array::from_fn(|k| sub_up(self.max[k], self.min[k]));
         let longest = [y, z].into_iter().fold(x, |longest, side| if side > longest { side } else { longest });
+        // Scaling would divide ∞ by ∞.
         if longest == f64::INFINITY {
             return longest;
         }

@@ -17,6 +17,8 @@ pub(crate) fn branch_and_bound<T, E>(
     mut is_settled: impl FnMut(&PriorityItem<T>, usize) -> bool,
     mut divide: impl FnMut(T, &mut BinaryHeap<PriorityItem<T>>) -> Result<(), E>,
 ) -> Result<f64, E> {
+    // The piece on top has the largest bound, which therefore holds for all pieces together: the
+    // loop may stop before any division and still return a valid bound.
     for n_divided in 0..most_pieces {
         let Some(worst) = open.pop() else { return Ok(0.0) };
         if is_settled(&worst, n_divided) {

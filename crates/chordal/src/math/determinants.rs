@@ -85,6 +85,8 @@ fn determinant4([a, b, c, d]: [[i64; 4]; 4]) -> Int256 {
         ([1, 3], [0, 2], true),
         ([2, 3], [0, 1], false),
     ];
+    // Products of two entries are below 2¹⁰⁶, so a minor is below 2¹⁰⁷ and fits in an i128; a term
+    // is below 2²¹⁴, and all six together fit in 256 bits.
     let minor = |p: &[i64; 4], q: &[i64; 4], [i, j]: [usize; 2]| determinant2([p[i], p[j]], [q[i], q[j]]);
     PAIRS.iter().fold(Int256::ZERO, |sum, (first, second, negative)| {
         let term = Int256::product(minor(&a, &b, *first), minor(&c, &d, *second));
@@ -112,6 +114,8 @@ pub(crate) fn sign3(rows: [[i64; 3]; 3]) -> Ordering {
 /// The sign of a determinant of rank 4.
 pub(crate) fn sign4(rows: [[i64; 4]; 4]) -> Ordering {
     let [a, b, c, d] = rows.map(|row| row.map(|x| x as f64));
+    // `size` sums the terms without their signs, cancelled parts included: rounding errors are a
+    // share of that, not of the determinant, which may be 0.
     let (mut sum, mut size) = (0.0, 0.0);
     let mut add = |[i, j]: [usize; 2], [k, l]: [usize; 2], sign: f64| {
         let (p, q) = (a[i] * b[j], a[j] * b[i]);
@@ -179,6 +183,7 @@ pub(crate) fn perturbed_sign<const N: usize>(
     let mut by_order: [usize; N] = std::array::from_fn(|k| k);
     by_order.sort_unstable_by_key(|k| order[*k]);
     for k in by_order {
+        // A determinant is linear in each row, so this is the coefficient of that row's constant.
         let mut moved = rows;
         moved[k] = [sense[k]; N];
         let sign = sign(moved);

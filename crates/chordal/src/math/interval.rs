@@ -158,6 +158,7 @@ impl Interval {
         if self.is_empty() {
             return None;
         }
+        // Halved before the sum, which may overflow.
         let middle = match (self.lo == f64::NEG_INFINITY, self.hi == f64::INFINITY) {
             (true, true) => 0.0,
             (true, false) => f64::MIN,
@@ -303,6 +304,7 @@ impl Interval {
         let count = n.unsigned_abs();
         let raised = if count == 0 {
             Self { lo: 1.0, hi: 1.0, defined: self.defined }
+        // An even power falls below 0 and rises above it. It rises with |x|, so the ends of |x| give its ends.
         } else if count.is_multiple_of(2) {
             let Self { lo, hi, defined } = self.abs();
             Self { lo: power(lo, count, product_down), hi: power(hi, count, product_up), defined }
@@ -415,6 +417,8 @@ fn below(rounded: f64) -> f64 {
 
 /// `x^count` for `x ≥ 0` and `count ≥ 1` by squaring; an upper or lower bound, depending on `times`.
 fn power(x: f64, count: u32, times: fn(f64, f64) -> f64) -> f64 {
+    // The product starts at the lowest set bit of the exponent. Starting with 1 would round outward
+    // once more for nothing.
     let (mut square, mut remaining) = (x, count);
     while remaining.is_multiple_of(2) {
         square = times(square, square);

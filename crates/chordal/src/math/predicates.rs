@@ -130,6 +130,8 @@ pub fn orient3d(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> Orientati
 pub fn triangle_contains([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> PointInTriangle {
     let sides = [orient2d(a, b, point), orient2d(b, c, point), orient2d(c, a, point)];
     let on_some = |side| sides.contains(&side);
+    // The orientation of the triangle is unknown: only whether the sides agree counts. In front of
+    // one side and behind another is outside in either orientation.
     match (on_some(Orientation::Front), on_some(Orientation::Back), on_some(Orientation::Flat)) {
         (true, true, _) => PointInTriangle::Outside,
         (_, _, false) => PointInTriangle::Inside,
@@ -153,6 +155,8 @@ pub(crate) fn dot_sign(v: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Ordering {
     // Each product and each of three sums has an error of half a unit in the last place: less than 4 ε of the
     // sum of the sizes, whose own rounding is smaller.
     let size: f64 = terms.iter().map(|term| term.abs()).sum();
+    // In this range nothing overflows, and a product that underflows is wrong by far less than ε of
+    // the sum.
     let clear = (1e-280..1e280).contains(&size);
     if clear && sum.abs() > 8.0 * f64::EPSILON * size {
         return if sum > 0.0 { Ordering::Greater } else { Ordering::Less };

@@ -42,6 +42,8 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let both_infinite = a == f64::INFINITY;
     let (a, b) = (if both_infinite { 1.0 } else { a * scale }, if both_infinite { 1.0 } else { b * scale });
 
+    // The last c that a/b has passed halfway wins. All are tried, since selections keep the loop
+    // free of branches, so that callers can be vectorized.
     let (mut ca, mut cb, mut base, mut remainder) = (0.0, 0.0, 0.0, 0.0);
     for (k, step) in STEPS.into_iter().enumerate() {
         let c = 0.25 * (k as f64 + 1.0);
@@ -52,6 +54,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
         remainder = if past { step.1 } else { remainder };
     }
     let t = (a - cb) / (b + ca);
+    // At the origin t is 0/0, but the standard defines an angle there.
     let t = if b == 0.0 { 0.0 } else { t };
     let z = t * t;
     let mut p = 1.0 / 17.0;
@@ -63,10 +66,14 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     p = 1.0 / 5.0 + z * p;
     p = -1.0 / 3.0 + z * p;
     let angle = base + (t + (t * (z * p) + remainder));
+    // The rest of π/2 is taken from the angle, where it still counts: π/2 − rest rounds back to
+    // π/2.
     let angle = if steep { std::f64::consts::FRAC_PI_2 - (angle - HALF_PI_REST) } else { angle };
+    // The bit and not a comparison, since −0 also lies on the negative axis.
     let behind = x.to_bits() >> 63 == 1;
     let angle = if behind { std::f64::consts::PI - (angle - 2.0 * HALF_PI_REST) } else { angle };
     let angle = f64::from_bits(angle.to_bits() | (y.to_bits() & (1 << 63)));
+    // The selections above took NaN for a number.
     if x.is_nan() || y.is_nan() { f64::NAN } else { angle }
 }
 

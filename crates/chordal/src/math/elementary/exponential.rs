@@ -31,6 +31,8 @@ fn power_of_two(n: f64) -> f64 {
 #[must_use]
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
+    // Beyond these ends the result is ∞ or 0 in any case, and each half of k has to stay an
+    // exponent of a normal number. NaN passes both comparisons.
     let x = if x > 710.0 { 710.0 } else { x };
     let x = if x < -746.0 { -746.0 } else { x };
     let k = (x * std::f64::consts::LOG2_E + TO_WHOLE) - TO_WHOLE;
@@ -96,7 +98,11 @@ pub fn ln(x: f64) -> f64 {
     r = 2.0 / 5.0 + z * r;
     r = 2.0 / 3.0 + z * r;
     let half = 0.5 * f * f;
+    // From the smallest terms to the largest. k·LN_2[0] is exact, so only this last difference
+    // rounds it.
     let y = k * LN_2[0] - ((half - (s * (half + z * r) + k * LN_2[1])) - f);
+    // The bits of 0, ∞ and NaN have no meaning as exponent and fraction; ∞ and NaN stay what they
+    // are.
     let y = if x == 0.0 { f64::NEG_INFINITY } else { y };
     let y = if x < f64::INFINITY { y } else { x };
     if x >= 0.0 { y } else { f64::NAN }

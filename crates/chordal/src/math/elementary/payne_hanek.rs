@@ -44,6 +44,8 @@ pub(super) fn reduce(x: f64) -> ReducedAngle {
     // The first digit needed is worth 2^-j with j = (e − 1075) − 1: then m·digit is worth 2 · m.
     let product = times(window(e + 64 - 1077), m);
     // Two bits of turns, 254 bits of fraction; a fraction above a half becomes negative.
+    // The unit is a quarter turn. From the nearest multiple of it, not the one below, so that the
+    // angle is at most π/4, where the series are short.
     let above_half = product[0] >> 61 & 1 == 1;
     let turns = (product[0] >> 62) + u64::from(above_half);
     let fraction = [product[0] & (u64::MAX >> 2), product[1], product[2], product[3]];
@@ -52,6 +54,7 @@ pub(super) fn reduce(x: f64) -> ReducedAngle {
     // The next digits of π/2, derived.
     let half_pi = DoubleDouble { hi: std::f64::consts::FRAC_PI_2, lo: 6.123_233_995_736_766e-17 };
     let angle = DoubleDouble::two_sum(hi, lo).times(half_pi);
+    // A fraction above a half was replaced by its negative; for a negative x the two signs cancel.
     let sign = if above_half == (x < 0.0) { 1.0 } else { -1.0 };
     let turns = if x < 0.0 { turns.wrapping_neg() } else { turns };
     ReducedAngle { hi: sign * angle.hi, lo: sign * angle.lo, turns }

@@ -90,6 +90,7 @@ fn cosine(hi: f64, lo: f64) -> f64 {
     c = 1.0 / 24.0 + z * c;
     let half = 0.5 * z;
     let leading = 1.0 - half;
+    // (1 − leading) − half is exactly what rounding took from `leading`.
     leading + (((1.0 - leading) - half) + (z * (z * c) - hi * lo))
 }
 

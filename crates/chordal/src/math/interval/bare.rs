@@ -163,6 +163,8 @@ impl BareInterval {
         let others = [self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
         let lo = lower(others[2], lower(others[1], lower(others[0], first)));
         let hi = upper(others[2], upper(others[1], upper(others[0], first)));
+        // Whether some product of the two ranges is below (above) 0: then an end of 0 is an
+        // underflow, and must not be read as exactly 0.
         let (below_a, above_a) = (self.lo < 0.0, self.hi > 0.0);
         let (below_b, above_b) = (other.lo < 0.0, other.hi > 0.0);
         let negative = (below_a & above_b) | (above_a & below_b);
