@@ -33,6 +33,7 @@ impl Evidence {
             (Self::Measured { samples: a }, Self::Measured { samples: b }) => {
                 Self::Measured { samples: *a.min(b) }
             }
+            // Kinds are declared from the strongest to the weakest.
             (a, b) => a.max(b).clone(),
         }
     }
@@ -345,6 +346,8 @@ impl Bound {
     /// ```
     #[must_use]
     pub fn stretched(&self, shortest: f64, longest: f64) -> Self {
+        // An exact shape stays exact, and a rotation or a translation costs nothing: rounding up
+        // would add a step at every node of a scene.
         let at_most = self.at_most.map(|most| match (most, longest) {
             (0.0, _) | (_, 1.0) => most,
             _ => mul_up(most, longest),

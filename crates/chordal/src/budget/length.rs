@@ -122,6 +122,7 @@ impl FromStr for Length {
     fn from_str(text: &str) -> Result<Self, InvalidLength> {
         let text = text.trim();
         let invalid = |why: Message| InvalidLength { text: text.to_owned(), why };
+        // An `e` belongs to the number, as in 1e-3; no unit starts with it.
         let split = text
             .find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E' || c == '%')
             .unwrap_or(text.len());

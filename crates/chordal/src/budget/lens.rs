@@ -122,12 +122,15 @@ impl View {
             Self::MinDistance(MinDistanceView { projection, screen, .. }) => (projection, screen, 0.0),
             Self::Camera(Camera { projection, screen, near, .. }) => (projection, screen, *near),
         };
+        // A step that the near plane hides has 0 pixels, but its far end may be seen after the
+        // other step: see the last sentence above.
         let first = if near > 0.0 && first < second { second } else { first };
         if first == 0.0 {
             return Some(second);
         }
         let sum = add_up(first, second);
         let Projection::Perspective { fov_y_deg } = projection else { return Some(sum) };
+        // The smallest focal length makes `product / focal` largest, so each rounding errs upwards.
         let (_, high) = half_tan(*fov_y_deg);
         let focal = div_down(f64::from(screen.height_px), mul_up(2.0, high));
         let product = div_up(mul_up(first, second), focal);
@@ -167,6 +170,8 @@ impl Lens {
         let (w, h) = (f64::from(screen.width_px), f64::from(screen.height_px));
         match projection {
             Projection::Perspective { fov_y_deg } => {
+                // Both ends of tan(fov/2) are used, each where it gives more pixels: the low one
+                // for the focal length, the high one for the angle of the corner.
                 let (low, high) = half_tan(fov_y_deg);
                 let wide = mul_up(high, div_up(w, h));
                 let corner_sq = add_up(mul_up(high, high), mul_up(wide, wide));
@@ -197,10 +202,13 @@ impl Lens {
             },
             (EyePosition::At { eye, forward, near }, corner) => {
                 let extent = ViewExtent::from_eye(place, eye, forward);
+                // An error that is shorter than this gap reaches no point in front of the near
+                // plane.
                 let hidden = if extent.far < near { sub_down(near, extent.far) } else { 0.0 };
                 let Some(corner) = corner else {
                     return PixelScale { scale: self.focal, depth: None, hidden };
                 };
+                // D and sec(min(θ₀, C)) of the derivation.
                 let depth = greater(extent.near, near);
                 let secant = sqrt_up(add_up(1.0, mul_up(extent.tan, extent.tan)));
                 let secant = lesser(secant, corner);

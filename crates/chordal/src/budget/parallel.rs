@@ -19,6 +19,8 @@ pub fn par_map<T: Sync, R: Send>(job: &Job, items: &[T], f: impl Fn(usize, &T) -
     if !is_shared(job, items.len()) {
         return items.iter().enumerate().map(|(i, item)| f(i, item)).collect();
     }
+    // Parts of neighbouring items: joined in order, they are in the order of the items whichever
+    // thread ends first.
     let size = items.len().div_ceil(MOST_TASKS);
     let parts: Vec<Mutex<Vec<R>>> = items.chunks(size).map(|_| Mutex::default()).collect();
     for_each(job, parts.len(), &|k| {

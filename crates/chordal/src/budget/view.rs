@@ -240,6 +240,7 @@ impl FromStr for View {
         let view = match (eye, target, dist) {
             (Some(eye), Some(target), None) => {
                 let (eye, target) = (parse_point("eye", eye)?, parse_point("target", target)?);
+                // A direction of view along z leaves z no meaning as up.
                 let along_z = eye[0] == target[0] && eye[1] == target[1];
                 let default_up = if along_z { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
                 let up = up.map_or(Ok(default_up), |up| parse_point("up", up))?;
