@@ -23,6 +23,8 @@ pub(super) fn cap(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -
     };
     let have_area =
         |triangles: &Vec<[usize; 3]>| !triangles.iter().any(|t| has_zero_area(t.map(|i| points[i])));
+    // The polygon of a flat loop is exact if no triangle of it is folded, which a loop that crosses
+    // itself cannot avoid.
     if is_flat(points)
         && let Some((triangles, 0)) = as_polygon()
         && have_area(&triangles)
@@ -66,6 +68,8 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
         let [a, b, c] = t.map(|i| points[i]);
         let folds = face_normal([a, b, c]).is_some_and(|normal| dot(normal, up) < 0.0);
         let flat = has_zero_area([a, b, c]);
+        // Compared in this order, since no saving of area makes up for a face without area or a
+        // fold. Twice the area, which has the same order.
         (u32::from(flat), u32::from(folds), length(cross(difference(b, a), difference(c, a))))
     };
     // By corners i and j: the best cost of the part of the loop between them, which ends with their chord,
@@ -77,6 +81,7 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
     for width in 2..n {
         for i in 0..n - width {
             let j = i + width;
+            // The chord from the first corner to the last is a side of the loop, and needs no room.
             if width < n - 1 && !is_free(i, j) {
                 continue;
             }

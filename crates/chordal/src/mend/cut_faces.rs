@@ -60,6 +60,7 @@ impl<'a> FaceCutter<'a> {
             let ends = [corners[k], corners[(k + 1) % 3]];
             sides[k].push((self.parameter_on_edge(insertion.row, ends), insertion.row));
         }
+        // Different vertices may have the same rounded parameter.
         sides.iter_mut().for_each(|side| side.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
         // 2. The polygon: corners and the vertices between them, as old rows.
         let mut polygon: Vec<CutCorner> = Vec::new();
@@ -115,6 +116,8 @@ impl<'a> FaceCutter<'a> {
         }
         let n = around.len();
         // The existing sides are already counted; an edge inside belongs to two of the new faces.
+        // Only corners have t = 0, so a side of the polygon between two of them is an uncut side of
+        // the face.
         let was_there = |i: usize, j: usize| around[i].t == 0.0 && around[j].t == 0.0;
         let mut added: BTreeMap<[u32; 2], u32> = BTreeMap::new();
         for triangle in triangles {
@@ -173,6 +176,13 @@ fn triangulate(inside: [usize; 3]) -> Vec<[usize; 3]> {
     let at = |i: usize| (start + i) % n;
     let b = on(0) + 1;
     let c = b + on(1) + 1;
+    //              c
+    //            / | \ \
+    //      3.   /  |  \  \   2.       1. fans around c over the vertices of the first side
+    //          /   | 1. \  \          2. from its last vertex to the second side, b … c
+    //         a ─ 1 ─ … ─ on(0) ─ b   3. from its first vertex to the third side, c … a
+    //
+    // No triangle has all its corners on one side, so none is without area.
     let mut triangles = Vec::with_capacity(n - 2);
     // 1. From the segments between the vertices inside the first side to the corner across.
     triangles.extend((1..on(0)).map(|i| [at(i), at(i + 1), at(c)]));

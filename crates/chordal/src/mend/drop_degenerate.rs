@@ -92,9 +92,11 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
     let mut insertions: Vec<VertexInsertion> = Vec::new();
     let mut goes = vec![false; mesh.faces().len()];
     for face in (0..n_faces).filter(|&face| is_flat[face as usize]) {
+        // All half-edges of a face with two equal corners are marked alike.
         goes[face as usize] = twins.get(3 * face) == Twin::Collapsed;
         let (false, Some(h)) = (goes[face as usize], longest[face as usize]) else { continue };
         match twins.get(h) {
+            // Nothing lies across that would have to be cut.
             Twin::Boundary => goes[face as usize] = true,
             Twin::Pair(t) | Twin::Flipped(t) => {
                 // If two faces are on each other's longest edge, the first is dropped before the second.
@@ -104,6 +106,7 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
                     insertions.push(VertexInsertion { half_edge: t, row: opposite_row(mesh, h) });
                 }
             }
+            // Several faces lie across, and cutting one of them would open a crack to the others.
             Twin::NonManifold | Twin::Collapsed => {}
         }
     }
@@ -118,6 +121,7 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
             cut.insert(face, std::mem::take(&mut draft.faces));
             continue;
         }
+        // The cutter gave the face back uncut; step 3 adds it at its place.
         draft.faces.clear();
         for insertion in insertions_of_face {
             if let Twin::Pair(dropped_face) | Twin::Flipped(dropped_face) = twins.get(insertion.half_edge) {
@@ -175,6 +179,8 @@ pub(super) fn coverage_bound(mesh: &Mesh, remaining: &Mesh, job: &Job) -> Result
         let corners = (0..mesh.faces().len()).map(|face| mesh.corners(face));
         corners.filter(|corners| has_zero_area(*corners))
     };
+    // Only segments between corners of faces without area have to be found again, so the set stays
+    // small.
     let ends: BTreeSet<PointBits> = flat().flatten().map(point_bits).collect();
     let mut edges: BTreeSet<[PointBits; 2]> = BTreeSet::new();
     for face in 0..remaining.faces().len() {

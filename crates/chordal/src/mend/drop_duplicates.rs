@@ -46,11 +46,13 @@ pub fn drop_duplicates(
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let mut keys: Vec<([u32; 3], bool, u32)> = Vec::with_capacity(mesh.faces().len());
     for (face, rows) in (0..).zip(mesh.faces()) {
+        // Whether the sorted rows are an odd permutation tells the two windings of a triple apart.
         let (key, is_odd) = sorted(rows.map(id));
         if key[0] != key[1] && key[1] != key[2] {
             keys.push((key, is_odd && which == Duplicates::SameWay, face));
         }
     }
+    // The face comes last in the key, so the first of equal ones is the original.
     keys.sort_unstable();
     let mut repeats: Vec<(u32, u32)> = Vec::new();
     for same in keys.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {

@@ -72,6 +72,7 @@ pub fn fill_holes(
         HoleSelection::All => usize::MAX,
         HoleSelection::UpTo(most) => most,
     };
+    // Grows with each filled hole: an edge that one hole has used is not free for the next.
     let mut edges = rim.edges_on_loops(&loops);
     let mut draft = MendBuilder::without_faces(mesh);
     draft.add_all_faces();
@@ -107,6 +108,7 @@ pub fn fill_holes(
         ("left_holes", left_holes),
     ];
     let mut mended = MendedMesh::exact(filled_mesh, changes);
+    // New faces may be far from the input, as the doc says, so only one direction is bounded.
     mended.bound.metric = Metric::OneSided;
     Ok(mended)
 }
@@ -130,6 +132,7 @@ impl FlatComponents {
         let root: Vec<u32> = (0..n as u32).map(|face| pieces.find(face)).collect();
         let corners = |face: usize| mesh.faces()[face].map(|row| mesh.positions()[row as usize]);
         let (mut plane, mut is_flat) = (vec![None; n], vec![true; n]);
+        // The first face with area spans the plane of its piece; faces without area have none.
         for face in (0..n).filter(|face| !has_zero_area(corners(*face))) {
             plane[root[face] as usize].get_or_insert(face);
         }
@@ -199,6 +202,8 @@ impl MeshBoundary<'_> {
             let mut chain = vec![start];
             visited[start as usize] = true;
             let mut next = self.next_boundary(start);
+            // A chain that meets a visited half-edge other than its start is no loop, and is
+            // reported instead.
             while let Some(h) = next.filter(|&h| !visited[h as usize]) {
                 visited[h as usize] = true;
                 chain.push(h);
@@ -229,6 +234,8 @@ impl MeshBoundary<'_> {
     /// Splits a loop at the positions to which it returns. `index_in_loop` is all `u32::MAX` before and
     /// after.
     fn split_at_repeats(&self, chain: &[u32], index_in_loop: &mut [u32], loops: &mut Vec<Vec<u32>>) {
+        // A loop a b c d b e: at the second b, the part b c d becomes a loop of its own, and a b e
+        // goes on.
         let mut open: Vec<u32> = Vec::new();
         for &h in chain {
             let position = self.origin(h);
@@ -286,6 +293,7 @@ impl MeshBoundary<'_> {
             return true;
         }
         let n = points.len() as f64;
+        // Divided before the sum, which may overflow.
         let at = std::array::from_fn(|k| points.iter().map(|p| p[k] / n).sum());
         let last = points[points.len() - 1];
         let sides = std::iter::once(&last).chain(&points).zip(&points);
@@ -303,6 +311,7 @@ impl MeshBoundary<'_> {
                 corners: [corners[0], corners[1], corners[2]],
             });
         }
+        // Labels are numbers of rows, so that of the new row ties it to no other.
         draft.add_row(MendRow { at, label: number, source: AttributeSource::from_row(self.row(around[0])) });
         true
     }

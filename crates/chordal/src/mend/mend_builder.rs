@@ -128,10 +128,11 @@ fn interpolate(attribute: &Attribute, sources: impl Iterator<Item = AttributeSou
     let mut values = Vec::with_capacity(attribute.values.len());
     for AttributeSource { from, to, t } in sources {
         let (a, b) = (attribute.row(from as usize), attribute.row(to as usize));
-        let is_number = matches!(attribute.semantic, Semantic::Group(_));
-        if t == 0.0 || a == b || (is_number && t < 0.5) {
+        let is_group = matches!(attribute.semantic, Semantic::Group(_));
+        // (1 − t)·a + t·a is not always a, so equal rows are copied.
+        if t == 0.0 || a == b || (is_group && t < 0.5) {
             values.extend_from_slice(a);
-        } else if is_number {
+        } else if is_group {
             values.extend_from_slice(b);
         } else {
             let start = values.len();

@@ -63,6 +63,8 @@ pub fn orient(
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
+    // Which side is outside is asked of the consistent mesh; the sides of the input may contradict
+    // each other.
     let agreed = sides.agreed(mesh)?;
     let components = MeshConnectivity::new(&agreed, topology).components_under(job)?;
     let ShellTurns { wrong, at_odds } = ShellTurns::new(&components, nested);
@@ -116,6 +118,8 @@ impl FaceFlips {
             }
             let piece = self.collect_component(start, twins, &mut visited);
             let n_turned = piece.faces.iter().filter(|&&face| self.flipped[face as usize]).count();
+            // A piece without any consistent orientation gets its own back. One of which most faces
+            // were turned is turned as a whole, so that the majority keeps its winding.
             let all_back = !piece.is_orientable;
             let other_side = 2 * n_turned > piece.faces.len();
             for &face in piece.faces.iter().filter(|_| all_back || other_side) {
@@ -130,6 +134,7 @@ impl FaceFlips {
     fn collect_component(&mut self, start: u32, twins: &Twins, visited: &mut [bool]) -> OrientableComponent {
         let mut piece = OrientableComponent { faces: vec![start], is_orientable: true };
         visited[start as usize] = true;
+        // The list of the component's faces is also the queue of the search.
         let mut next = 0;
         while let Some(&face) = piece.faces.get(next) {
             next += 1;
@@ -140,6 +145,8 @@ impl FaceFlips {
                     Twin::Flipped(t) => (t / 3, !turned),
                     Twin::Boundary | Twin::NonManifold | Twin::Collapsed => continue,
                 };
+                // A face that is reached again must want the side that it has; on a Möbius strip
+                // one does not.
                 if !std::mem::replace(&mut visited[neighbour as usize], true) {
                     self.flipped[neighbour as usize] = wanted;
                     piece.faces.push(neighbour);

@@ -26,6 +26,7 @@ pub(super) fn pair_faces(edge: [[f64; 3]; 2], faces: &mut [RadialFace]) -> Vec<[
         match (face.is_up, open.pop()) {
             (true, Some(start)) => pairs.push([start, face.half_edge]),
             (true, None) => late.push(face.half_edge),
+            // No end, so the bracket that was taken off the stack stays open.
             (false, last) => {
                 open.extend(last);
                 open.push(face.half_edge);
@@ -44,6 +45,10 @@ fn sort_by_angle([a, b]: [[f64; 3]; 2], faces: &mut [RadialFace]) {
     let Some(first) = faces.iter().map(|face| face.apex).find(|&apex| !is_collinear(a, b, apex)) else {
         return;
     };
+    // Seen along the edge, with growing angles:
+    //           1
+    //      2 ───┼─── 0  (the first face)
+    //           3
     let half = |apex: [f64; 3]| match orient3d(a, b, first, apex) {
         Orientation::Front => 1,
         Orientation::Back => 3,
@@ -52,6 +57,8 @@ fn sort_by_angle([a, b]: [[f64; 3]; 2], faces: &mut [RadialFace]) {
     };
     faces.sort_by(|p, q| {
         let halves = [half(p.apex), half(q.apex)];
+        // Within 1 and 3 angles differ by less than π, so the side of one face's plane on which the
+        // other lies orders them. In 0 and 2 all angles are equal.
         halves[0].cmp(&halves[1]).then_with(|| match orient3d(a, b, p.apex, q.apex) {
             _ if halves[0] % 2 == 0 => Ordering::Equal,
             Orientation::Front => Ordering::Less,

@@ -100,6 +100,8 @@ fn witness(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -
 fn distance_up(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -> f64 {
     let [a, b] = ends(mesh, half_edge).map(|row| mesh.positions()[row as usize]);
     let p = mesh.positions()[row as usize];
+    // Halved, so that the difference of two large numbers does not overflow, and divided by the
+    // longest side of its box, so that squares stay in range. Both factors cancel in t.
     let along: [f64; 3] = std::array::from_fn(|k| 0.5 * b[k] - 0.5 * a[k]);
     let size = along.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
     let along = along.map(|x| x / size);

@@ -167,6 +167,8 @@ fn nearest_centres(
         if n % 4096 == 0 && job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
+        // A row near an earlier centre becomes no centre itself. If it did, chains of close rows
+        // would move farther than the tolerance, link by link.
         if centre[i as usize].is_some() {
             continue;
         }
@@ -174,6 +176,7 @@ fn nearest_centres(
         tree.near_segment([p; 2], tolerance.get(), |j| {
             let distance = distance_up(p, points[j as usize]);
             let nearest = &mut centre[j as usize];
+            // Of two equally near centres the first in the order of coordinates stays.
             if distance <= tolerance.get() && nearest.is_none_or(|(best, _)| distance < best) {
                 *nearest = Some((distance, i));
             }
