@@ -75,6 +75,8 @@ pub(super) fn combine_in_order<'a>(
     (job, is_over): (&Job, &'static (dyn Fn(&Job) -> bool + Sync)),
 ) -> Result<Manifold, EngineFailure> {
     let token = CancelToken::new();
+    // The engine looks at the token, and only its reports of progress are moments at which the job
+    // can be asked.
     let reporter = {
         let (token, job) = (token.clone(), job.clone());
         ProgressReporter::new(move |_, _| {
@@ -94,6 +96,8 @@ pub(super) fn combine_in_order<'a>(
         };
         combined =
             combined.boolean_with_engine_and_progress(&other?, op, kind, Some(&token), Some(&reporter));
+        // Asked once more, since a small solid may be done before its first report. The engine
+        // returns a solid in any case; whether it is whole is in its status.
         if is_over(job) || combined.status() == Error::Cancelled {
             return Err(EngineFailure::Cancelled);
         }
@@ -136,6 +140,7 @@ fn exported(solid: &Manifold, operands: &[Operand]) -> CutSurface {
     let faces: Vec<[u32; 3]> = arrays.tri_verts.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect();
     let mut sources = vec![BooleanSource { operand: 0, face: 0 }; faces.len()];
     for (run, operand) in arrays.run_original_id.iter().enumerate() {
+        // A run is a stretch of triangles from one operand. Its ends count corners, not triangles.
         let end = arrays.run_index.get(run + 1).map_or(faces.len(), |end| *end as usize / 3);
         let start = arrays.run_index.get(run).map_or(0, |start| *start as usize / 3);
         for (source, face_row) in sources[start..end].iter_mut().zip(&arrays.face_id[start..end]) {

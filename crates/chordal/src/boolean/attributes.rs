@@ -71,9 +71,12 @@ impl CarriedFace {
     fn new(corners: [[f64; 3]; 3], source_face: usize, carrier: &Mesh) -> Self {
         let triangle = Triangle { corners: carrier.corners(source_face) };
         let weights = corners.map(|p| {
+            // Equality first: rounded barycentric coordinates of a corner would blend in a little
+            // of the others.
             if let Some(corner) = triangle.corners.iter().position(|q| *q == p) {
                 return std::array::from_fn(|k| f64::from(u8::from(k == corner)));
             }
+            // A face without area has no such coordinates.
             let inside = triangle.barycentric(p).unwrap_or([1.0, 0.0, 0.0]);
             // Rounding may put a corner outside by its last bit.
             let clamped = inside.map(|w| if w > 0.0 { w } else { 0.0 });
@@ -81,6 +84,8 @@ impl CarriedFace {
             clamped.map(|w| w / sum)
         });
         let normals = [Triangle { corners }.normal(), triangle.normal()];
+        // A piece lies in the plane of its face, so its normal is that of the face or, on the wall
+        // of a cut, the opposite one.
         let is_turned = matches!(normals, [Some(a), Some(b)] if dot(a, b) < 0.0);
         Self { source_face, weights, is_turned }
     }

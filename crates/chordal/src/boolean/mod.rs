@@ -134,6 +134,9 @@ pub fn boolean_snapped(
     check_limits(&meshes, job)?;
     let operands = par_map(job, &meshes, |number, mesh| Operand::new(number, mesh, job));
     let operands: Vec<Operand> = operands.into_iter().collect::<Result<_, _>>()?;
+    // The fast engine is right for closed solids that face outwards and do not cross themselves.
+    // Its result counts only if the check gives it a bound; otherwise exact arithmetic cuts the
+    // meshes again. That a job was cancelled shows in either case.
     let simple = operands.iter().all(|operand| operand.is_simple);
     if simple && let Ok(mut surface) = combine(&operands, &ops, Engine::FloatingPoint, job) {
         snap(&mut surface.positions)?;
@@ -179,6 +182,7 @@ const BYTES_A_FACE: u64 = 1200;
 /// Refuses an arrangement whose intersections alone would exceed the job's memory: in the worst case all
 /// triangles cross each other.
 fn check_crossings(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
+    // As one mesh, so that the crossings of an operand with itself count too.
     let mut positions = Vec::new();
     let mut faces = Vec::new();
     for mesh in meshes {

@@ -27,6 +27,8 @@ impl<'a> Operand<'a> {
         let (mut points, mut faces, mut face_of) = (Vec::new(), Vec::new(), Vec::new());
         for (face, corners) in (0..).zip(mesh.faces()) {
             let [a, b, c] = corners.map(|row| ids[row as usize]);
+            // Its two other sides are one edge in both directions, so that without the face the
+            // mesh is as closed as before.
             if a == b || b == c || c == a {
                 continue;
             }
@@ -47,6 +49,7 @@ impl<'a> Operand<'a> {
         let components = surface.components_under(job)?;
         let is_sound = |component: &Component| component.closed && component.manifold() && component.oriented;
         let is_sound = components.iter().all(is_sound);
+        // Components may touch along an edge, which is not manifold, and still bound a solid.
         if !is_sound && !is_closed(&solid) {
             let boundary_edges = surface.validity().boundary_edges.count;
             return Err(BooleanError::NotClosed { operand: number, boundary_edges });

@@ -39,12 +39,15 @@ impl<'a> PointSurvey<'a> {
         };
         let low = [0, 1].map(|k| end(k, lesser, f64::INFINITY));
         let high = [0, 1].map(|k| end(k, greater, f64::NEG_INFINITY));
+        // If all points have the same coordinate, all are in the first column.
         let scale = [0, 1].map(|k| {
             let scale = side as f64 / (high[k] - low[k]);
             if scale.is_finite() { scale } else { 0.0 }
         });
         let mut survey =
             Self { points, low, scale, side, starts: vec![0; side * side + 1], sorted: Vec::new() };
+        // Sorted by counting: afterwards `starts[c]..starts[c + 1]` are the points of column c in
+        // `sorted`.
         let columns: Vec<usize> =
             points.iter().map(|p| survey.column(0, p[0]) + side * survey.column(1, p[1])).collect();
         columns.iter().for_each(|column| survey.starts[column + 1] += 1);
@@ -84,6 +87,7 @@ impl<'a> PointSurvey<'a> {
             }
             windings
         });
+        // Sums of integers, so the parts may come from any number of threads.
         let mut sum = vec![PointWinding::default(); self.points.len()];
         for part in parts {
             for (total, part_winding) in sum.iter_mut().zip(part) {
@@ -102,11 +106,14 @@ impl<'a> PointSurvey<'a> {
         });
         let [columns, rows] = [0, 1].map(|k| ends[k].map(|x| self.column(k, x)));
         for row in rows[0]..=rows[1] {
+            // Columns of a row follow each other, and so do their points.
             let line = &self.starts[row * self.side..][..self.side + 1];
             let (first, last) = (line[columns[0]] as usize, line[columns[1] + 1] as usize);
             for &point in &self.sorted[first..last] {
                 let p = self.points[point as usize];
                 let is_within = |k: usize| ends[k][0] <= p[k] && p[k] <= ends[k][1];
+                // The ray goes up: a triangle entirely below the point is neither crossed nor, by
+                // `length`, near.
                 if !is_within(0) || !is_within(1) || p[2] > ends[2][1] {
                     continue;
                 }

@@ -50,9 +50,11 @@ pub(super) fn compare_sides(
         let mut unresolved = Vec::new();
         for (number, place) in open.into_iter().enumerate() {
             if around.iter().any(|operand| operand[number].is_near) {
+                // This point tells nothing, but another distance from the same face may.
                 unresolved.push(place);
                 continue;
             }
+            // More than one turn is inside too: an operand may overlap itself.
             let mut inside = around.iter().map(|operand| operand[number].number > 0);
             let first = inside.next().unwrap_or(false);
             let wanted = inside.zip(ops).fold(first, |sum, (is_inside, op)| op.holds(sum, is_inside));
@@ -93,6 +95,7 @@ fn places(mesh: &Mesh, operands: &[Operand]) -> Vec<SidePlace> {
     let mut sides: Vec<SidePlace> =
         spread(mesh.faces().len()).flat_map(|face| sides_of(mesh.corners(face))).flatten().collect();
     let n_faces: usize = operands.iter().map(|operand| operand.faces.len()).sum();
+    // Faces are numbered through all operands; `first` is the number of this operand's first face.
     let mut numbers = spread(n_faces).peekable();
     let mut first = 0;
     for operand in operands {
