@@ -111,9 +111,11 @@ pub(crate) fn attribute_deviation_within(
     if pairs.is_empty() || a.faces().is_empty() || b.faces().is_empty() {
         return Ok(Default::default());
     }
+    // An attribute without a limit is measured all the same, and no face is beyond it.
     let limits: Vec<f64> =
         pairs.iter().map(|pair| limit(&pair[0].semantic).unwrap_or(f64::INFINITY)).collect();
     job.run(|| {
+        // One scale for both directions, so that they agree on which distances count as equal.
         let bounds = a.bounds().union(b.bounds());
         let sides = [
             AttributeMesh::new(a, pairs.iter().map(|pair| pair[0]), job)?,
@@ -244,6 +246,8 @@ impl<'a> SeamedAttribute<'a> {
             let id = ids[*row as usize] as usize;
             if first[id] == u32::MAX {
                 first[id] = corner as u32;
+            // One difference from the first corner is enough: if all equal the first, they equal
+            // each other.
             } else if !on_line[id] {
                 let [p, q] = [first[id] as usize, corner].map(|c| carried.row(c, rows[c]));
                 on_line[id] = kind.is_discontinuous(p, q);
@@ -254,6 +258,7 @@ impl<'a> SeamedAttribute<'a> {
         let faces: Vec<u32> = faces.map(|(face, _)| face as u32).collect();
         if !faces.is_empty() {
             let corners = faces.iter().map(|face| mesh.faces()[*face as usize]).collect();
+            // Rows keep their numbers; only faces are renumbered, and `faces` leads back.
             let part = Mesh::by_construction(mesh.positions().to_vec(), corners);
             carried.seam = Some(SeamFaces { bvh: Bvh::build(&part, job)?, faces });
         }
@@ -413,6 +418,8 @@ impl AttributeComparison<'_> {
             let Some(near) = to.bvh.closest_point(p) else { continue };
             let at = (p, near.distance_sq.sqrt());
             let mut nearest = BarycentricPoint { face: near.face, weights: near.barycentric };
+            // The nearest face may be the far side of a thin wall. The counterpart is on the side
+            // that faces the same way, if one is as near.
             if dot(normal, self.normal(to.mesh.corners(near.face as usize))) < 0.0 {
                 nearest = self.nearest_facing(&to.bvh, at, normal).unwrap_or(nearest);
             }
@@ -423,6 +430,9 @@ impl AttributeComparison<'_> {
                     value_difference([(from.mesh, from_attribute, &sample), (to.mesh, to_attribute, point)])
                 };
                 let mut least = apart_from(&nearest);
+                // At a seam two values meet at one place, and rounding decides on which of its
+                // sides the nearest point falls. So the closer one of all values there counts; if
+                // the first is equal already, none can be closer.
                 if let Some(beside) = to_attribute.seam.as_ref().filter(|_| least > 0.0) {
                     self.faces_about(&beside.bvh, at, |near| {
                         let face = beside.faces[near.face as usize];

@@ -17,12 +17,16 @@ pub(super) fn find_duplicates(surface: &MeshConnectivity) -> (Finding, Finding) 
     let mut repeats = Vec::new();
     // Faces with the same positions share all sides, two of them at least with each other alone or with more faces.
     for face in (0..surface.n_faces()).filter(|face| surface.twins.may_share_two_sides(*face)) {
+        // Two faces with the same corners are each other's neighbours at all three sides, or at
+        // those that no other face has; edges with more faces are looked at below.
         for h in surface.half_edges(face).into_iter().flatten() {
             let (t, opposite) = match surface.twins.get(h) {
                 Twin::Pair(t) => (t, true),
                 Twin::Flipped(t) => (t, false),
                 _ => continue,
             };
+            // From the later of the two faces only. The second side is asked first, since it rules
+            // out nearly all pairs without a look at their corners.
             let twice = t < h && may_share(surface.twins.get(next_in_face(h)), t / 3);
             if twice && surface.apex(h) == surface.apex(t) && is_lowest_edge(surface, h) {
                 repeats.push(DuplicateFace { face, original: t / 3, opposite });

@@ -98,6 +98,8 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
     // 2. Both in the direction of the first side.
     let back = |patch: &Patch| Patch { control: patch.control.map(|[a, b, c, d]| [d, c, b, a]) };
     let [same, against] = [second, back(&second)].map(|other| apart(&first.control[0], &other.control[0]));
+    // Two surfaces with a common front run along their common edge in opposite directions, as the
+    // triangles of a mesh do.
     let fronts_agree = against <= same;
     if fronts_agree {
         second = back(&second);
@@ -109,6 +111,7 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
         roundings: [FIRST, SECOND].map(|steps| steps * f64::EPSILON * size),
     };
     // 3. Positions, derivatives and normals.
+    // Bit for bit: only then do the two have an edge in common, and a class of continuity.
     let is_shared = lesser(same, against) == 0.0;
     let at = |maximum: (f64, f64), unit: f64| EdgeMaximum {
         value: maximum.1 * unit,
@@ -119,6 +122,7 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
     let gap = if is_shared { None } else { largest(&steps, |t| Some(edge.gap(t))) };
     let angles = largest(&edge.approached(&steps), |t| edge.angle(t));
     let bends = largest(&steps, |t| edge.curvature_gap(t));
+    // Both are exactly 0 if they are within their rounding.
     let class = match (angles, bends) {
         (Some((_, 0.0)), Some((_, 0.0))) => 2,
         (Some((_, 0.0)), _) => 1,
@@ -239,6 +243,9 @@ impl CrossJet {
         }
         let along = self.along;
         let normal = cross(along, inward);
+        // The derivative across is `inward` + λ·along. Curvature depends only on directions in the
+        // surface, so the lean is taken out of the second derivative as well, and what is left is
+        // divided by the squared length of `inward`.
         let (size, square) = (length(normal), dot(inward, inward));
         let normal = normal.map(|x| x / size);
         // The second fundamental form in the direction that is perpendicular to the edge: N − 2λM + λ²L.
@@ -334,12 +341,16 @@ pub(super) fn largest(parameters: &[f64], f: impl Fn(f64) -> Option<f64>) -> Opt
     let samples: Vec<(f64, f64)> = parameters.iter().filter_map(|t| f(*t).map(|value| (*t, value))).collect();
     let best = (1..samples.len()).fold(0, |best, i| if samples[i].1 > samples[best].1 { i } else { best });
     let mut best_sample = *samples.get(best)?;
+    // Values are not negative, so all of them are 0.
     if best_sample.1 == 0.0 {
         return Some(best_sample);
     }
     // Golden section: the better one of two inner points stays.
+    // Where the value is unknown, it cannot be the largest.
     let value = |t: f64| f(t).unwrap_or(0.0);
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    // The best sample stays the answer unless the search beats it, since between the samples `f`
+    // need not have a single peak.
     let (mut low, mut high) =
         (samples[best.saturating_sub(1)].0, samples[(best + 1).min(samples.len() - 1)].0);
     let inner = |low: f64, high: f64| [high - ratio * (high - low), low + ratio * (high - low)];

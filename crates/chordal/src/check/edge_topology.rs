@@ -31,6 +31,7 @@ impl EdgeTopology {
             pieces.faces += 1;
             for h in half_edges {
                 match twins.get(h) {
+                    // An edge with two faces is counted at the lower of its half-edges.
                     Twin::Pair(t) | Twin::Flipped(t) if t < h => {}
                     Twin::Pair(t) => {
                         pieces.edges += 1;
@@ -51,10 +52,13 @@ impl EdgeTopology {
         }
         for edge in twins.non_manifold_edges() {
             pieces.edges += 1;
+            // The faces around it are one component, whether or not they are wound alike.
             edge.windows(2).for_each(|pair| sets.union(pair[0] / 3, pair[1] / 3));
             pieces.non_manifold_edges.add(|| Witness::edge(mesh, edge));
         }
+        // Each union of two different sets leaves one component less.
         pieces.components = pieces.faces - sets.n_unions();
+        // A surface wound alike everywhere is an orientation of itself.
         pieces.orientable = pieces.inconsistent_edges.is_none() || is_orientable(surface);
         pieces
     }
@@ -101,6 +105,8 @@ pub(super) fn find_non_orientable(surface: &MeshConnectivity, mut each: impl FnM
         }
         sides[start as usize] = FaceFlip::Kept;
         stack.push(start);
+        // The search goes on after a contradiction: all faces of the component have to be visited,
+        // or they would be found as another one.
         let mut contradicted = false;
         while let Some(face) = stack.pop() {
             let side = sides[face as usize];

@@ -19,6 +19,7 @@ pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Latti
         low = lesser(lowest, low);
         high = greater(highest, high);
     }
+    // If all coordinates are 0, `low` is still the largest integer.
     if high > low.saturating_add(SPAN) {
         return None;
     }
@@ -28,6 +29,8 @@ pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Latti
         if *x != 0.0 {
             let (mantissa, exponent) = decompose(*x);
             let shift = exponent - low;
+            // To the right only zeros are lost: `low` is the lowest bit that is set in any
+            // coordinate.
             let size = if shift >= 0 { mantissa << shift } else { mantissa >> -shift } as i64;
             *on = if *x < 0.0 { -size } else { size };
         }

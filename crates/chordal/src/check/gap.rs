@@ -49,6 +49,7 @@ pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> 
     let mut worst: Option<Gap<D>> = None;
     for (i, segment) in polyline.segments().enumerate() {
         let from = *polyline.places.get(i)?;
+        // A closed polyline has no vertex after its last segment, which ends where the path does.
         let to = polyline.places.get(i + 1).copied().unwrap_or(end);
         let gap_at = |parameter: f64| {
             let on_curve = curve.at(parameter);
@@ -123,6 +124,7 @@ fn refined<const D: usize>(
 ) -> Gap<D> {
     let short = (3.0 - 5.0_f64.sqrt()) / 2.0;
     for _ in 0..STEPS {
+        // The next point is tried in the longer of the two parts, at the golden ratio.
         let is_after = high - best.place > best.place - low;
         let (end, place) = if is_after { (high, best.place) } else { (low, best.place) };
         let candidate = gap_at(place + short * (end - place));

@@ -78,6 +78,7 @@ pub fn join<const D: usize>(
         scaled(before.second_derivative(1.0), widths[0] * widths[0]),
         scaled(after.second_derivative(0.0), widths[1] * widths[1]),
     ];
+    // Derivatives are divided by the width once or twice, and so is their rounding.
     let narrow = lesser(widths[0], widths[1]);
     // See FIRST.
     let rounding = [FIRST * f64::EPSILON * size / narrow, SECOND * f64::EPSILON * size / (narrow * narrow)];
@@ -104,6 +105,8 @@ pub fn join<const D: usize>(
     let curved = curvatures.iter().flatten().fold(0.0, |most, c| greater(*c, most));
     let curvature_rounding = (rounding[1] / slow + 4.0 * curved * rounding[0]) / slow;
     let geometric = (position_gap == 0.0).then(|| match (angle_rad, curvature_gap) {
+        // Where the path stops, the direction is a limit and the speed is no measure of its
+        // rounding.
         // Directions of unit length.
         (Some(angle), _) if slow == 0.0 => u8::from(angle <= FIRST * f64::EPSILON),
         (Some(angle), Some(gap)) if angle <= angle_rounding => {

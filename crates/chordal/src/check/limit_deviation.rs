@@ -55,6 +55,12 @@ pub(super) fn sheet_deviations(
         let corners = cage.face(face);
         let at = |k: usize| DVec3::from(cage.positions()[corners[k % corners.len()] as usize]);
         let n = corners.len();
+        // A face with another number of corners is split at its middle, and has a sheet for each corner:
+        //       corner+1
+        //          │
+        //         half ──── middle
+        //          │          │
+        //        corner ─── half ── corner−1
         let corners = if n == 4 {
             [at(0), at(1), at(2), at(3)]
         } else {
@@ -68,6 +74,7 @@ pub(super) fn sheet_deviations(
             (_, Some(triangle)) => loop_deviation::parametric_distance(triangle, [at(0), at(1), at(2)]),
             _ => Ok(0.0),
         });
+        // Added whatever the distance is: a difference whose square underflows would count as none.
         Ok(distance.transpose()?.map(|distance| distance + UNDERFLOW))
     };
     par_map(job, &numbers, |_, sheet| of_sheet(*sheet)).into_iter().collect()
@@ -115,6 +122,7 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
     let mut open = BinaryHeap::new();
     let mut least = 0.0_f64;
     push(&mut open, square, corners, 0, &mut least);
+    // The largest distance known at some parameter. One closure raises it, the other reads it.
     let least = Cell::new(least);
     let is_settled = |worst: &PriorityItem<QuadSubpatch<'_>>, _| {
         is_close_enough(worst.bound, least.get(), worst.item.rounding_error, worst.item.depth)
@@ -174,6 +182,9 @@ fn push<'a>(
                 open.push(difference(Patch { control }, rounding_error, depth, least));
             }
         }
+        // Beside the extraordinary vertex there is no polynomial. The limit is within the hull of
+        // its one-ring, and the polygon within the hull of its corners, so no two of their points
+        // are farther apart than two of these.
         QuadPatchTree::Extraordinary(extraordinary) => {
             let hull = extraordinary.ring().hull();
             let far = |point: &[f64; 3]| {
@@ -183,6 +194,8 @@ fn push<'a>(
             let largest = extraordinary.ring().size();
             let rounding_error = 2.0 * extraordinary.ring().rounding() + 64.0 * f64::EPSILON * largest;
             let bound = hull.iter().fold(0.0_f64, |most, point| most.max(far(point))) + rounding_error;
+            // Corners are points with the same parameters on both, so their distances are distances
+            // that exist.
             for (place, corner) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].into_iter().zip(corners) {
                 if let Ok(jet) = extraordinary.at(place.0, place.1) {
                     *least = least.max((DVec3::from(jet.point) - corner).length());

@@ -70,6 +70,8 @@ fn push<'a>(
             let [a, b, c] = corners;
             let mut quartic = polynomial.quartic;
             let mut index = 0;
+            // The control points of the plane triangle as a quartic are its points at quarters, in
+            // the same order of rows.
             for k in 0..5 {
                 for j in 0..5 - k {
                     let flat = a + 0.25 * (f64::from(j) * (b - a) + f64::from(k) * (c - a));
@@ -80,6 +82,8 @@ fn push<'a>(
             open.push(difference(quartic, polynomial.off + rounding, depth, least));
         }
         TrianglePatchTree::Extraordinary(extraordinary) => {
+            // As for quads: the one-ring's hull contains the limit, the corners contain the
+            // triangle, and a distance is largest between two of their corners.
             let far = |point: &[f64; 3]| {
                 let point = DVec3::from(*point);
                 corners.iter().fold(0.0_f64, |most, corner| most.max((point - *corner).length()))

@@ -90,6 +90,8 @@ impl Kernel for MeasureKernel<'_> {
                 areas[i] = ((nx * nx + ny * ny) + nz * nz).sqrt();
                 volumes[i] = (ax * nx + ay * ny) + az * nz;
             }
+            // One by one: sums of lanes would depend on how many lanes the processor has. Rows
+            // after the last face are not read.
             for i in 0..n {
                 sum = (sum.0 + areas[i], sum.1 + volumes[i]);
             }

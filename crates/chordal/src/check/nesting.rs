@@ -33,6 +33,8 @@ pub(super) fn nesting_depths(
     let encloses = |outer: usize, inner: usize| {
         outer != inner && is_within(&components[inner].bounds, &components[outer].bounds)
     };
+    // Comparing boxes saves the tree if no component can be inside another, as in most files. With
+    // many components the pairs would cost more than the tree.
     let may_be_within = |inner: usize| solid.iter().any(|outer| encloses(*outer, inner));
     let few = solid.len() * solid.len() <= FEW_PAIRS;
     let tested: Vec<usize> = solid.iter().copied().filter(|i| !few || may_be_within(*i)).collect();
@@ -100,6 +102,8 @@ enum BoundedSide {
 impl<F: Fn(usize, usize) -> bool> NestingSearch<'_, F> {
     fn depth(&self, inner: usize, rows: &[u32; 7]) -> NestingDepth {
         // The ray upwards from the first corner crosses every enclosing component.
+        // A component encloses another if its surface has a vertex of it inside and none outside.
+        // Vertices that lie on its surface decide nothing, so the other extreme vertices are asked.
         let mut outer: Vec<(u32, BoundedSide)> = self.sides(inner, rows[0]);
         outer.retain(|(_, side)| *side != BoundedSide::Outside);
         for &row in &rows[1..] {
@@ -109,6 +113,7 @@ impl<F: Fn(usize, usize) -> bool> NestingSearch<'_, F> {
             let sides = self.sides(inner, row);
             outer.retain_mut(|(label, known_side)| {
                 let side_found = sides.iter().find(|(other, _)| other == label);
+                // Not crossed by the ray from this vertex, so outside.
                 match side_found.map_or(BoundedSide::Outside, |(_, side)| *side) {
                     BoundedSide::Outside => return false,
                     BoundedSide::Inside => *known_side = BoundedSide::Inside,

@@ -82,8 +82,11 @@ pub fn nurbs_edges(surfaces: &[TrimmedSurface]) -> NurbsEdges {
             let knots = &surface.knots()[constant];
             let beside = |piece: usize, end: usize| NurbsBoundary::new(surface, net, constant, (piece, end));
             for piece in 1..knots.n_pieces() {
+                // Reversed, so that both sides of the line run the same way, as two separate
+                // surfaces do after `met`.
                 let (before, after) = (beside(piece - 1, 1), beside(piece, 0).reversed());
                 let line = before.line(index);
+                // Knots outside the loops' box are not on the surface.
                 if line.at <= from || to <= line.at {
                     continue;
                 }
@@ -94,6 +97,7 @@ pub fn nurbs_edges(surfaces: &[TrimmedSurface]) -> NurbsEdges {
                 let join = NurbsJoin { fronts_agree: true, ..joined([before, after], [line; 2], 2.0 * size) };
                 edges.knot_lines.push(join);
             }
+            // The sides of a trimmed surface's rectangle are not its border.
             if face.loops().is_empty() {
                 for side in [beside(0, 0), beside(knots.n_pieces() - 1, 1)] {
                     let line = side.line(index);
@@ -161,6 +165,9 @@ impl<'a> SurfaceSide<'a> {
                 <= near
         };
         let by_middle = |candidate: &NurbsBoundary<'a>| {
+            // Sides of one curve may have different parameters; the other one is then looked up by
+            // the nearest point. Its direction in the middle tells whether it still runs along,
+            // which nearness alone does not.
             let beside_it = candidate.beside(&self.boundary);
             let is_near = TRIES.iter().all(|t| distance(&self.boundary, &beside_it, *t) <= near);
             let runs = beside_it.jet(0.5).along;
@@ -192,6 +199,7 @@ fn add_joins(sides: &[SurfaceSide<'_>], edges: &mut NurbsEdges) {
                 break;
             }
             let meets = (0..3).all(|k| a.min[k] <= b.max[k] && b.min[k] <= a.max[k]);
+            // By number, since the order of the sweep is not that of the report.
             let (i, j) = (*first.min(second), *first.max(second));
             if meets && sides[i].met(&sides[j]).is_some() {
                 pairs.push((i, j));
@@ -206,12 +214,15 @@ fn add_joins(sides: &[SurfaceSide<'_>], edges: &mut NurbsEdges) {
     });
     for (i, j) in pairs {
         let [a, b] = [&sides[i], &sides[j]];
+        // Three surfaces at one line are not joined two by two: they are listed as branching.
         if uses[i] > 1 || uses[j] > 1 {
             continue;
         }
         let Some((other, is_against)) = a.met(b) else { continue };
         let size = a.size + b.size;
         let join = joined([a.boundary.clone(), other], [a.line, b.line], size);
+        // Sides of surfaces with a common front run against each other. A trimmed surface may have
+        // its front turned, which exchanges the two cases; if both are turned, nothing changes.
         let fronts_agree = is_against != (a.is_flipped != b.is_flipped);
         edges.joins.push(NurbsJoin { fronts_agree, ..join });
     }
@@ -261,6 +272,8 @@ fn joined(sides: [NurbsBoundary<'_>; 2], lines: [NurbsLine; 2], size: f64) -> Nu
     NurbsJoin {
         lines,
         fronts_agree: true,
+        // A gap within rounding of evaluation and file is none, so that the class of continuity
+        // counts.
         position_gap: at(if is_shared { (gap.0, 0.0) } else { gap }),
         angle_rad: angles.map(at),
         curvature_gap: bends.map(at),

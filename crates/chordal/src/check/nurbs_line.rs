@@ -97,10 +97,14 @@ impl<'a> NurbsBoundary<'a> {
         let step = |k: usize| k as f64 / SAMPLES as f64;
         let first = (near, distance_at(near));
         let (mut t, mut best) = (0..=SAMPLES)
+            // The given parameter comes first, so that it stays unless another one is really
+            // nearer.
             .map(|k| (step(k), distance_at(step(k))))
             .fold(first, |best, next| if next.1 < best.1 { next } else { best });
         let mut width = 1.0 / SAMPLES as f64;
         // Chosen: the last steps are below 1e-12, by thirds.
+        // Without derivatives, which may vanish at a cusp or a pole; Newton's steps afterwards give
+        // the last digits.
         for _ in 0..24 {
             for next in [greater(t - width, 0.0), lesser(t + width, 1.0)] {
                 let distance = distance_at(next);
@@ -168,10 +172,13 @@ impl CrossBoundary for NurbsBoundary<'_> {
     fn jet(&self, t: f64) -> CrossJet {
         if let Some(beside) = &self.beside {
             let (other, correspondence) = &**beside;
+            // The same line without the correspondence, by its own parameters.
             let by_parameter = Self { beside: None, ..self.clone() };
             return by_parameter.jet(by_parameter.nearer(other.jet(t).point, between(correspondence, t)));
         }
         let (other, sign) = (1 - self.constant, if self.end == 0.0 { 1.0 } else { -1.0 });
+        // Which Bézier piece lies along the line is looked up; which one lies beside it is given,
+        // since at a knot there are two.
         let (along_piece, local) = self.knots[other].locate(self.parameter(t));
         let (mut piece, mut at) = ([0; 2], [0.0; 2]);
         (piece[self.constant], piece[other]) = (self.piece, along_piece);

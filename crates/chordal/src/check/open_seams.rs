@@ -39,6 +39,8 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
             continue;
         }
         let rows = [h, next_in_face(h)].map(|h| surface.origin_row(h));
+        // The shortest boundary edge at a vertex tells how fine the mesh is there, and with it
+        // which gaps are intended.
         let length = distance_up(at(rows[0]), at(rows[1]));
         for row in rows {
             let vertex =
@@ -53,6 +55,7 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
     let most = SHARE_OF_BOX * mesh.bounds().diagonal();
     let mut seams = OpenSeams::default();
     for (vertex, p) in vertices.iter().zip(&points) {
+        // Fine enough for this vertex; `longest` asks the same of the vertices at the other point.
         let within = lesser(SHARE_OF_EDGE * vertex.shortest, most);
         let mut nearest = f64::INFINITY;
         tree.near_segment([*p, *p], within, |j| {

@@ -114,6 +114,8 @@ impl<'a> PackedTriangles<'a> {
         .into_iter()
         .flatten()
         .collect::<Vec<_>>();
+        // Points are renumbered in the order of the tree's triangles: neighbours in space become
+        // neighbours in memory.
         let mut row_of = vec![u32::MAX; ids.len()];
         let mut points = Vec::with_capacity(ids.len());
         for row in slots.iter_mut().flat_map(|slot| &mut slot.rows) {

@@ -219,12 +219,15 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError>
     let beside = one_ring_mask(&fine, irregular);
     let rough_faces: Vec<usize> = quads.iter().copied().filter(|quad| beside[*quad]).collect();
     let smooth = of_sheets().filter(|(quad, _)| !beside[*quad]);
+    // An irregular sheet has no distance by parameters, and is in the mask together with its
+    // neighbours. `None` here would be a fault of the mask, and nothing must be proved from it.
     let mut distance = smooth.fold(0.0, |most, (quad, distance)| match distance {
         Some(distance) => greater(most, add_up(*distance, twist(&fine, quad))),
         None => f64::INFINITY,
     });
     if !rough_faces.is_empty() && !job.is_cancelled() {
         let count = 2 * rough_faces.len() as u64;
+        // Each round quadruples the faces.
         let rounds = (1..MOST_ROUNDS).rev().find(|k| count << (2 * k) <= ROUGH_CUTS).unwrap_or(1);
         let finest = two_ring_cage(&fine, &rough_faces)
             .and_then(|part| part.refined_times(rounds))
@@ -239,6 +242,7 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError>
             kept_quads.iter().fold(0.0, |most, quad| greater(most, twist(&finest, *quad))),
         );
         let (coarse, finest) = (triangles_of(&fine, &rough_faces)?, triangles_of(&finest, &kept_quads)?);
+        // No finer than what is added anyway, or a quarter of what the smooth part has.
         let goal = Goal {
             absolute: Tolerance::new(greater(by_parameters, 0.25 * distance)).ok(),
             ..Goal::default()
@@ -262,12 +266,15 @@ const ROUGH_CUTS: u64 = 1 << 17;
 
 /// The faces with two rings of faces around them, which shape their limit surface and are marked as holes.
 fn two_ring_cage(cage: &Cage, faces: &[usize]) -> Result<Cage, InvalidCage> {
+    // Two rings: the limit over a face depends on its one-ring, and that of the outer vertices of
+    // it on the next.
     let near = one_ring_mask(cage, faces.iter().copied());
     let chosen = one_ring_mask(cage, (0..cage.n_faces()).filter(|face| near[*face]));
     let chosen: Vec<usize> = (0..cage.n_faces()).filter(|face| chosen[*face]).collect();
     let mut vertices: Vec<u32> = chosen.iter().flat_map(|face| cage.face(*face)).copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
+    // The list is sorted, so the position in it is the number in the part.
     let local = |vertex: u32| vertices.partition_point(|v| *v < vertex) as u32;
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for face in &chosen {
@@ -362,6 +369,8 @@ fn measured(
         let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(most, x.abs()));
         let wanted = SmoothGoal { goal, floor: FLOOR * reach };
         let sampler = SmoothSampler { smooth, bvh: &bvh };
+        // What is known before any work: no two points are farther apart than the box of both is
+        // long.
         let nothing = OneSidedDistance { at_least: 0.0, at_most: farthest, from: [0.0; 3], to: [0.0; 3] };
         let mut distances = TwoSidedDistance { forward: nothing, backward: nothing };
         sampler.probe_some_faces(mesh, &mut distances.forward, job);
@@ -370,6 +379,8 @@ fn measured(
         let levels =
             |distance, least| wanted.levels((distance, smooth.left_by_level(), smooth.deepest()), least);
         while !wanted.is_met(&distances) {
+            // A round that would exceed the job's work is not begun, since half a tessellation
+            // proves nothing.
             let affordable = job.work_left() / POINTS_A_TRIANGLE;
             let count = smooth.count(level, job);
             if count > affordable {
@@ -384,6 +395,7 @@ fn measured(
             let fits = |level: &u32| smooth.count(*level, job) <= most_cuts;
             // As fine as the goal requires, by the current estimate.
             let aim = lesser(level + levels(distance, distances.least()), smooth.deepest());
+            // Without a comparison: a tessellation that is too coarse by estimate is not worth one.
             if let Some(finer) = (level + 1..=aim).rev().find(fits) {
                 level = finer;
                 continue;

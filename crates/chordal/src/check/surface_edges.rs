@@ -95,10 +95,12 @@ fn near_pairs(patches: &[Patch], alone: &[PatchSideId]) -> Vec<[PatchSideId; 2]>
                 let j = j as usize;
                 let distance = curve_distance(&curves[i], &curves[j]);
                 let is_near = j != i && distance <= lesser(near_distances[i], near_distances[j]);
+                // Equally near sides: the lower number, whatever the order of the tree.
                 if is_near && best.get().is_none_or(|nearest| (distance, j) < nearest) {
                     best.set(Some((distance, j)));
                 }
                 n_seen.set(n_seen.get() + 1);
+                // Stops the search; what was found until then stays, and is mutual or not.
                 n_seen.get() > MOST_NEAR
             });
             best.get().map(|(_, j)| j)

@@ -130,6 +130,8 @@ impl Kernel for ThinKernel<'_> {
                 let longest_sq = greater(uv, w);
                 let (nx, ny, nz) = (uy * vz - vy * uz, uz * vx - vz * ux, ux * vy - vx * uy);
                 let doubled_area_sq = (nx * nx + ny * ny) + nz * nz;
+                // All that is not clear, NaN included, is decided one by one below, without
+                // rounding where it matters. `&` and not `&&`, which would branch.
                 is_clear[i] =
                     (doubled_area_sq * LIMIT >= longest_sq * longest_sq) & SAFE.contains(&longest_sq);
             }

@@ -62,6 +62,7 @@ pub(super) fn intersect_by_corner(ids: [[u32; 3]; 2], at: impl Fn(usize, usize) 
         }
     }
     let lowest = |bits: u32| (bits.trailing_zeros() as usize / 3 % 3, bits.trailing_zeros() as usize % 3);
+    // Rotations that bring a corner to the front and keep the orientation.
     const FROM: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
     let from = |triangle: usize, [p, q, r]: [usize; 3]| [at(triangle, p), at(triangle, q), at(triangle, r)];
     match same.count_ones() {
@@ -71,15 +72,19 @@ pub(super) fn intersect_by_corner(ids: [[u32; 3]; 2], at: impl Fn(usize, usize) 
             vertex_sharing_intersect(&from(0, FROM[i]), &from(1, FROM[j]))
         }
         2 => {
+            // The third corner of each: the numbers 0, 1, 2 add up to 3.
             let ((i, j), (k, l)) = (lowest(same), lowest(same & (same - 1)));
             edge_sharing_intersect(from(0, [i, k, 3 - i - k]), at(1, 3 - j - l))
         }
+        // The same three corners: a duplicate, which is another finding.
         _ => false,
     }
 }
 
 /// The case of no common corner.
 fn disjoint_intersect(a: &TriangleCorners, b: &TriangleCorners) -> bool {
+    // Rounded filters decide nearly all pairs. If both are certain, so are the signs, and the rest
+    // needs no exact plane.
     let of_b = PlaneFilter::through(a).clear_sides(b);
     if of_b.is_some_and(|sides| strictly_one_side(&sides)) {
         return false;
@@ -99,6 +104,8 @@ fn disjoint_intersect(a: &TriangleCorners, b: &TriangleCorners) -> bool {
         let of_a = [P::orient3d(*b, a[0]), P::orient3d(*b, a[1]), P::orient3d(*b, a[2])];
         !strictly_one_side(&of_a) && sides_meet([a, b], [of_a, of_b])
     }
+    // Coordinates with few digits, as in most files, need integers only; the general predicates
+    // cost several times as much.
     match on_lattice([a[0], a[1], a[2], b[0], b[1], b[2]]) {
         Some([a, b, c, d, e, f]) => exactly(&[a, b, c], &[d, e, f]),
         None => exactly(a, b),
@@ -111,6 +118,8 @@ fn vertex_sharing_intersect(a: &TriangleCorners, b: &TriangleCorners) -> bool {
         let plane = PlaneFilter::through(plane);
         plane.clear_side(p).zip(plane.clear_side(q))
     };
+    // The common corner lies in both planes, so the other two decide: strictly on one side, the
+    // triangles have only that corner in common.
     let of_b = clear_sides(a, b[1], b[2]);
     if of_b.is_some_and(|(first, second)| first == second) {
         return false;
@@ -239,6 +248,8 @@ fn flat_segment_meets<P: ExactPoint>([p, q]: [P; 2], triangle: &TriangleCorners<
     }
     // Both ends are outside, so the segment meets the triangle only if it crosses a side or passes through a
     // corner.
+    // A side in the segment's line is left to the two others: if the segment covers it, it passes
+    // through their corners.
     AXES.into_iter().any(|(i, j)| {
         let parts = |[r, s]: [Orientation; 2]| r != s || r == Flat;
         let in_one_line = turns[i] == Flat && turns[j] == Flat;
@@ -299,6 +310,7 @@ pub(super) fn common_point(ids: [[u32; 3]; 2], [a, b]: [TriangleCorners; 2]) -> 
         let sides = triangle.map(|p| ExactPoint::orient3d(*other, p));
         for i in 0..3 {
             let j = (i + 1) % 3;
+            // A corner in the other's plane; a common corner is no crossing.
             if sides[i] == Flat && !other_ids.contains(&triangle_ids[i]) && contains(other, triangle[i]) {
                 points.push(triangle[i].into());
             }
@@ -307,6 +319,7 @@ pub(super) fn common_point(ids: [[u32; 3]; 2], [a, b]: [TriangleCorners; 2]) -> 
                 [Front, Back] | [Back, Front] if pierces(segment, other) => {
                     let [p, q] = segment.map(DVec3::from);
                     let [from, to] = [p, q].map(|r| plane.normal.dot(r - plane.at).abs());
+                    // The signs are exact, the distances rounded: both may have become 0.
                     let t = if from + to > 0.0 { from / (from + to) } else { 0.5 };
                     points.push(p * (1.0 - t) + q * t);
                 }

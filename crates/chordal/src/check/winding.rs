@@ -23,6 +23,7 @@ pub(crate) enum RayCrossing {
 pub(crate) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> RayCrossing {
     let [a, b, c] = corners;
     let reaches = |k: usize, far: fn(f64, f64) -> bool| corners.iter().any(|q| far(q[k], p[k]));
+    // Most triangles are beside the ray or below its start, which comparisons decide.
     let above = reaches(2, |q, p| q >= p);
     if !above || !(0..2).all(|k| reaches(k, |q, p| q <= p) && reaches(k, |q, p| q >= p)) {
         return RayCrossing::None;
@@ -31,6 +32,10 @@ pub(crate) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> RayCrossing {
     if side == Orientation::Flat && contains(corners, p) {
         return RayCrossing::On;
     }
+    // Seen from above, counter-clockwise is front up:
+    //    front up, p behind the plane: p is below, the ray comes from behind
+    //    back up, p in front of it:    p is below, the ray comes from the front
+    // In the other two cases the triangle is below the start of the ray.
     let flat = |[x, y, _]: [f64; 3]| [x, y];
     let turns = [(a, b), (b, c), (c, a)].map(|(q, r)| orient2d_perturbed(flat(q), flat(r), flat(p)));
     let front_up = turns == [Orientation::Front; 3];

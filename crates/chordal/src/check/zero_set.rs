@@ -48,6 +48,8 @@ pub fn zero_set_deviation<G: SampleGrid>(
     let bvh = Bvh::build(mesh, job)?;
     let [nx, ny, nz] = grid.size();
     let n_tasks = mesh.faces().len().div_ceil(CHUNK) + nz;
+    // A limit for each task and not for all: a common counter would depend on the order of the
+    // threads.
     let most_parts =
         greater((job.work_left() / POINTS_A_PART / n_tasks as u64).saturating_mul(SHARES_A_TASK), 1);
     let failed = AtomicBool::new(false);
@@ -307,13 +309,18 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         let (_, nearest) = self.bvh.distance_with_hint(middle, *row)?;
         *row = nearest;
         let [_, up] = self.bvh.distance_bounds(middle, nearest)?;
+        // Every point of the part is near its middle, and the middle near a triangle.
         let first = add_up(up, radius);
         if first <= self.max {
             return Some(first);
         }
+        // The plane through the triangle speaks for the triangle only where the part projects into
+        // it, which is convex: it is enough that the corners do.
         let corners: [[f64; 3]; 8] = std::array::from_fn(|c| self.lattice.at(part.corner(c)));
         let (triangle, _) = self.bvh.triangle_of(nearest);
         let plane = FacePlane::new(triangle).filter(|plane| corners.iter().all(|p| plane.holds(*p)));
+        // Where the interpolant vanishes, the height is its negative difference from the
+        // interpolant; the difference is trilinear, and no larger than at the corners.
         let second = plane.map(|plane| greatest_gap(&plane, &corners, &part.values) + 2.0 * slack);
         if let Some(second) = second.filter(|second| *second <= self.max) {
             return Some(second);
@@ -342,6 +349,8 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     fn face_distance(&self, face: usize, n_evaluated: &mut u64) -> f64 {
         let corners = self.mesh.corners(face);
         let plane = FacePlane::new(corners);
+        // Of the whole face, since pieces of it are too small to have a good one. A face without
+        // area gets no direction, and is left to the signs around its pieces.
         let direction = {
             let n = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
             let size = length(n);

@@ -117,6 +117,8 @@ impl<const D: usize> CurveLength<D> {
         let mut parts = Vec::new();
         let (mut waiting, mut settled, most) = (width_of(&open), 0.0, pieces.len() * MOST_PARTS);
         // The widest part first. A part that does not get narrower is limited by rounding, and stays.
+        // Settled parts keep their error. If they have used up the goal, the others are still
+        // refined to a quarter of it, and no further, since the sum would not get much smaller.
         while waiting > greater(goal - settled, 0.25 * goal) && open.len() + parts.len() < most {
             let Some(PriorityItem { bound, item: (widest, depth) }) = open.pop() else { break };
             let middle = 0.5 * (widest.from + widest.to);

@@ -100,9 +100,12 @@ impl<const D: usize> SpeedPiece<D> {
                 (series(middle), series(from.hull(to)), width * sweep.abs(), *unit)
             }
         };
+        // Taylor's formula of any order holds, so all of them are intersected: on long parts the
+        // low orders are narrower, on short ones the high orders.
         let mut narrowest = range[0];
         let mut sum = Interval::point(0.0);
         for m in (2..=ORDER).step_by(2) {
+            // ∫ from −½ to ½ of σᵏ is 2⁻ᵏ/(k + 1) for even k, and 0 for odd k.
             let share =
                 |k: usize| Interval::point(power_of_two(-(k as i32))) / Interval::point((k + 1) as f64);
             sum = sum + middle[m - 2] * share(m - 2);
@@ -178,6 +181,8 @@ fn speed<const D: usize>(h: &[Series; D], w: Option<Series>) -> Series {
     }
     let mut root = [Interval::UNKNOWN; ORDER + 1];
     root[0] = squares[0].sqrt();
+    // r·r = s: in order k, 2·r₀·rₖ = sₖ − Σ rᵢ·rₖ₋ᵢ over 0 < i < k. Where the speed may vanish, the
+    // root is not differentiable.
     if root[0].lo() > 0.0 {
         for k in 1..=ORDER {
             let mut remainder = squares[k];
@@ -190,6 +195,7 @@ fn speed<const D: usize>(h: &[Series; D], w: Option<Series>) -> Series {
     let Some(w) = w else { return root };
     let below: Series = std::array::from_fn(|k| square_term(&w, k));
     let mut quotient = [Interval::UNKNOWN; ORDER + 1];
+    // q·w² = r: in order k, q_k·(w²)₀ = rₖ − Σ (w²)ᵢ·qₖ₋ᵢ over 0 < i ≤ k.
     for k in 0..=ORDER {
         let mut remainder = root[k];
         for i in 1..=k {

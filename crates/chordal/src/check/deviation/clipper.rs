@@ -70,6 +70,7 @@ impl<'a> ConvexClipper<'a> {
                 worst = (up, at);
             }
         }
+        // A cut that removed nothing moved no corner.
         if cuts > 0 {
             worst.0 = (worst.0 + f64::from(cuts) * self.displacement).next_up();
         }
@@ -91,6 +92,8 @@ impl<'a> ConvexClipper<'a> {
 fn cut(polygon: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
     let e = [b[0] - a[0], b[1] - a[1]];
     // Products that underflow lose less than the smallest normal number.
+    // Slightly right of the line still counts as left: the remaining polygon may be too large,
+    // which costs sharpness, but never too small, which would leave points uncovered.
     let least = -(margin * greater(e[0].abs(), e[1].abs()) + f64::MIN_POSITIVE);
     let old = *polygon;
     let mut sides = [0.0; MOST];
@@ -108,6 +111,8 @@ fn cut(polygon: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool
             polygon.push(old.at[i], old.image[i]);
         }
         if inside != next_inside {
+            // From the kept end, in whichever direction the border runs: the same edge gives the
+            // same point.
             let (from, to) = if inside { (i, j) } else { (j, i) };
             let t = (sides[from] - least) / (sides[from] - sides[to]);
             let t = lesser(t, 1.0);

@@ -90,6 +90,7 @@ pub(super) fn cover(
     let image_of = |face: u32| mesh.corners(face as usize).map(|p| view.project(p));
     // 1. A face of the other surface whose image overlaps the inside of the piece.
     let mut first = None;
+    // It must overlap the inside: the number of layers is counted from there.
     for corner in &piece.corners {
         let image = image_of(corner.face);
         let orientation = orient2d(image[0], image[1], image[2]);
@@ -102,6 +103,10 @@ pub(super) fn cover(
     // 2. All faces reached from it across edges inside the piece.
     scratch.start(other);
     scratch.visit(first);
+    //    ╱╲────────╱╲
+    //   ╱  ╲  f2  ╱  ╲       ▪ the piece. It crosses the sides f1|f2 and f2|f3, so the search goes from
+    //  ╱ ▪▪▪▪▪▪▪▪▪▪▪▪ ╲      one face to the next; it crosses none of their outer sides, so it ends there.
+    // ╱  f1  ╲  ╱  f3  ╲     The list of visited faces is also the queue.
     let clipper = ConvexClipper::new(&view, piece);
     let (mut n_faces, mut most, mut trim) = (0, 0.0, 0.0);
     while n_faces < scratch.faces.len() {
@@ -112,6 +117,7 @@ pub(super) fn cover(
         }
         let image = image_of(face);
         let orientation = orient2d(image[0], image[1], image[2]);
+        // The surface folds back under the piece: layers would cancel, and the count says nothing.
         if orientation == front.flipped() {
             return Cover::None;
         }
@@ -122,12 +128,14 @@ pub(super) fn cover(
             }
             match across(other.twins(), 3 * face + k as u32) {
                 Some(neighbour) => scratch.visit(neighbour),
+                // No neighbour, or one that is wound the other way: the surface ends here.
                 None => trim = greater(trim, view.depth(side)),
             }
         }
         // 3. The distance of that part of the piece that is over this face.
         if orientation != Orientation::Flat {
             let corners = mesh.corners(face as usize);
+            // The clipper expects the counter-clockwise image.
             let image =
                 if orientation == Orientation::Front { image } else { [image[0], image[2], image[1]] };
             let (far, at) = clipper.farthest(piece, image, &corners);

@@ -60,6 +60,7 @@ impl DeviationFrame {
                 if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
             });
             displacement = greater(square, displacement);
+            // The scale is a power of two, so only an underflow is not undone by dividing.
             let scaled = shifted.map(|x| x * self.scale);
             underflowed |= (0..3).any(|k| scaled[k] / self.scale != shifted[k]);
             positions.push(scaled);

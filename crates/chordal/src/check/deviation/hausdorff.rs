@@ -205,6 +205,7 @@ pub(super) fn search(
     loop {
         let n_open: u64 = directions.iter().map(|direction| direction.open.len() as u64).sum();
         // The remaining bisections are divided evenly among all open pieces.
+        // So that a piece which never settles does not take what the others need.
         let cuts_allowed = most_cuts.saturating_sub(cuts) / (n_open + 1) + 1;
         let cuts_allowed =
             if cuts_allowed < u64::from(cuts_per_piece) { cuts_allowed as u32 } else { cuts_per_piece };
@@ -255,6 +256,7 @@ pub(super) fn search(
             return enough <= wanted;
         }
         job.count_work(POINTS_A_CUT * (cuts - cuts_before));
+        // The next round would do the same again.
         let stuck = cuts == cuts_before && least == least_before;
         if cuts > most_cuts || stuck {
             return false;
@@ -283,6 +285,7 @@ fn probe_some_faces(
     let least = greater(directions[0].farthest.at_least, directions[1].farthest.at_least);
     let enough = query.goal.sufficient_distance(least);
     for (direction, vertices) in directions.iter_mut().zip(vertices) {
+        // Evenly spread, since neighbours are about equally far.
         let every = vertices.faces.len() / PILOT + 1;
         let faces: Vec<u32> = vertices.faces.iter().step_by(every).copied().collect();
         let limits = CoverLimits {
@@ -397,6 +400,8 @@ fn run_batch(
             match piece.halves(|at| other.sample(at)) {
                 Some(halves) => {
                     cuts += 1;
+                    // The new point may raise the lower bound above what was enough; then the
+                    // halves wait for the next round, which compares with the new one.
                     if result.record(halves[0].corners[1], halves[0].slack) <= enough {
                         waiting.extend(halves);
                     } else {

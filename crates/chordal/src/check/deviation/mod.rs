@@ -153,6 +153,7 @@ impl CommonFrame {
         }
         let [a, b] = meshes;
         let overflows = || refused(RefusalCode::NotFinite, "the extent of the two meshes overflows");
+        // A vertex without a face is no part of the surface, however far away.
         let bounds = used_bounds(a).union(used_bounds(b));
         if bounds.diagonal() == f64::INFINITY {
             return overflows();
@@ -161,6 +162,7 @@ impl CommonFrame {
         let (Some((local_a, a_moved)), Some((local_b, b_moved))) = (frame.local(a), frame.local(b)) else {
             return overflows();
         };
+        // Exactly 0 in the frame of the world, where add_up would make it the smallest number.
         let displacement = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
         let reach = Box3::from_points(local_a.positions().iter().chain(local_b.positions()));
         let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| greater(most, x.abs()));

@@ -75,6 +75,7 @@ impl SubtriangleProjection {
         mut images: impl Iterator<Item = [[f64; 2]; 3]>,
     ) -> Option<f64> {
         let t = &self.piece;
+        // The centre of the inscribed circle is the mean of the corners, each weighted by the side across.
         let sides: [f64; 3] = std::array::from_fn(|k| length(difference(t[(k + 2) % 3], t[(k + 1) % 3])));
         let around = sides[0] + sides[1] + sides[2];
         let centre: [f64; 2] =
@@ -93,6 +94,7 @@ impl SubtriangleProjection {
         if radius.is_nan() || radius <= trim {
             return None;
         }
+        // On the border of an image counts: the neighbour across covers the points beside it.
         let covered = images.any(|image| {
             let orientation = orient2d(image[0], image[1], image[2]);
             orientation != Orientation::Flat

@@ -94,6 +94,8 @@ impl VertexDistances {
                 continue;
             }
             *corner = DistanceSample { at: mesh.positions()[row], up: 0.0, face: other_first[id as usize] };
+            // Marked, so that another row of the same position is not queried again; the sample
+            // replaces the mark.
             if corner.face == NONE {
                 corner.face = NONE - 1;
                 open.push(id);
@@ -107,6 +109,7 @@ impl VertexDistances {
         for (id, corner) in open.iter().zip(samples.into_iter().flatten()) {
             corners[*id as usize] = corner;
         }
+        // A face is shared only if its vertices are, so without one the faces need not be compared.
         let some_shared = own_first.iter().zip(&other_first).any(|(a, b)| *a != NONE && *b != NONE);
         let faces = if some_shared {
             let shared = position_ids.shared_faces(meshes, side);

@@ -49,6 +49,7 @@ impl MeshSubtriangle {
         let mut best = self.at_most;
         for k in 0..3 {
             let face = self.corners[k].face;
+            // The same face gives the same bound.
             if (0..k).any(|i| self.corners[i].face == face) {
                 continue;
             }

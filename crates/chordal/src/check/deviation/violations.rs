@@ -276,10 +276,13 @@ fn classify(
     piece.corners.iter().for_each(|corner| worst.consider(corner.at, corner.up, &region, tolerance));
     let mut open = vec![(piece, region)];
     let (mut cuts, mut most, mut pixels) = (0, 0.0, 0.0);
+    // Depth first: a quick answer needs only one violation, and the list stays short.
     while let Some((mut piece, region)) = open.pop() {
         if find == ViolationSearch::Any && worst.0.is_some() {
             break;
         }
+        // The tolerance of the smallest region known to contain the piece: for halves it may be
+        // larger.
         let limits = CoverLimits { tolerance: region.tolerance, ..limits };
         piece.at_most = piece.bound_by_corners(other, limits.tolerance);
         if piece.at_most <= limits.tolerance {

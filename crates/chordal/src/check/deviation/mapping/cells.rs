@@ -104,6 +104,7 @@ pub(super) fn surface_mapping(
         face => distance_up(source.at(v as u32), &result.corners(face)),
     };
     let vertex_up: Vec<f64> = images.iter().enumerate().map(up).collect();
+    // Around an open vertex there is no other way to go, so it never takes a turn.
     let degree: Vec<u32> = (0..result.n_vertices() as u32)
         .map(|v| if result.is_open(v) { 0 } else { result.ring(v).count() as u32 })
         .collect();
@@ -179,6 +180,8 @@ impl CellCutter<'_> {
         for h in 3 * face..3 * face + 3 {
             most = greater(most, self.vertex_up[self.source.start(h) as usize]);
             let edge = self.source.edge(h);
+            // A walk is stored for one direction of its edge. From the other face it is read
+            // backwards, and each crossing from its other side.
             let walk = self.paths.of(edge)?;
             most = self.paths.up[walk.clone()].iter().fold(most, |most, up| greater(most, *up));
             let crossed = &self.paths.crossed[walk];
@@ -211,6 +214,7 @@ impl CellCutter<'_> {
 
     /// Fills the word with cones; returns the largest displacement at them and at the corners before.
     fn fill(&mut self, face: u32, mut most: f64, cones: &mut Vec<Cone>) -> Option<f64> {
+        // The word is cyclic, so a pair of opposite half-edges may be its first and last.
         for _ in 0..MOST_CONES {
             let mut word = &self.word[..];
             while let [first, middle @ .., last] = word
@@ -222,6 +226,8 @@ impl CellCutter<'_> {
                 return Some(most);
             }
             let turn = self.longest_turn(word)?;
+            // word:   … a [s₁ s₂ … sₙ] b …     spokes of one vertex, from face to face
+            // after:  b … a [the other spokes]   the same faces, the other way around
             let remaining =
                 (turn.from + turn.n..turn.from + word.len()).map(|i| word[i % word.len()]).collect();
             let first = word[turn.from];
@@ -298,6 +304,8 @@ fn covered_faces(
     let has_cells = |h: u32| h != NONE && chain.forward[h as usize / 3] < f64::INFINITY;
     let mut touched = vec![false; result.n_faces()];
     for h in 0..3 * source.n_faces() as u32 {
+        // An edge counts once. With cells on both of its sides, or on neither, its image is no
+        // border of the chain.
         if source.edge(h) != h || has_cells(h) == has_cells(source.twin(h)) {
             continue;
         }
@@ -326,6 +334,8 @@ fn covered_faces(
         if result.is_open(v) || result.ring(v).any(|h| touched[h as usize / 3]) {
             continue;
         }
+        // Each cone covers each face around its vertex once, so their number modulo 2 is the
+        // coverage.
         let is_odd = turns[v as usize] % 2 == 1;
         let entry = &mut is_covered[sets.find(result.outgoing(v) / 3) as usize];
         debug_assert!(

@@ -55,6 +55,7 @@ impl VertexImage {
     /// Moves to nearer faces across the edge or around the corner on which the image lies, as long as there
     /// are any.
     pub fn descend(mut self, p: [f64; 3], surface: &FanSurface) -> Self {
+        // Around the same corner once more would find the same faces.
         let mut last = NONE;
         for _ in 0..MOST_STEPS {
             let previous = self;
@@ -136,6 +137,7 @@ fn pass_on(source: &FanSurface, result: &FanSurface, images: &mut [VertexImage])
     let mut staying = 0;
     while staying < STAYING {
         let Some((bits, v)) = heap.pop() else { break };
+        // An entry from before the vertex got a nearer image.
         if bits != images[v as usize].distance_sq.to_bits() {
             continue;
         }
