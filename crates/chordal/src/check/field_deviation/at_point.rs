@@ -51,6 +51,8 @@ pub fn field_deviation_at(mesh: &Mesh, field: &Field, p: [f64; 3], job: &Job) ->
     let Some((low, high)) = bvh.closest_distance_down(p).zip(bvh.closest_distance_up(p)) else {
         return Ok([0.0; 2]);
     };
+    // Two points with different signs enclose the surface, and a range over points is a proof. So
+    // the near side costs two evaluations a step; that nothing is nearer costs boxes.
     let surface_distance = surface_within(&tape, &bounds, p, reach(mesh, &bounds))?;
     job.count_work(POINTS_A_BOX * 2 * STEPS as u64);
     let backward = surface_distance.map_or(0.0, |distance| greater(sub_down(low, distance), 0.0));

@@ -60,6 +60,8 @@ impl FieldDeviationSearch<'_> {
             vec![OpenBox { tape, bounds: root, most: from_field::distance_of(&root, target), cuts: 0 }];
         loop {
             self.check_cancelled()?;
+            // The order matters: the lower bound sets the sufficient distance, which decides about
+            // all boxes of the round.
             result.least =
                 greater(result.least, self.farthest(&open, greater(result.least, forward.least), target)?);
             let least = greater(result.least, forward.least);
@@ -76,10 +78,13 @@ impl FieldDeviationSearch<'_> {
                 open.cuts >= ROUNDS || open.bounds.diagonal() < share
             };
             let level = round_threshold(&open, target.tolerance);
+            // What is open then counts with its upper bound, which holds at any time.
             let exhausted = boxes_left == 0 || beyond || self.job.is_over();
             let (next, done): (Vec<_>, Vec<_>) =
                 open.into_iter().partition(|b| b.most > target.tolerance && !exhausted && !tiny(b));
             done.iter().for_each(|b| result.settle(b.most, &b.bounds));
+            // The far boxes first: they may raise the lower bound, and boxes that are near enough
+            // then are never split.
             let (mut now, mut later): (Vec<_>, Vec<_>) = next.into_iter().partition(|b| b.most > level);
             if now.is_empty() {
                 return Ok(result);
@@ -124,6 +129,8 @@ impl FieldDeviationSearch<'_> {
             .collect();
         let mut values = vec![Interval::UNKNOWN; points.len()];
         self.tape.over(&points, &mut values).map_err(leaf_failure)?;
+        // Corners with opposite signs, both proved: somewhere in the box is a point of the surface,
+        // however F behaves.
         let changes = |values: &[Interval]| {
             let sure = |sign: fn(&Interval) -> bool| values.iter().any(|v| v.is_defined() && sign(v));
             sure(|v| v.hi() < 0.0) && sure(|v| v.lo() >= 0.0)
@@ -188,6 +195,7 @@ impl BoxBatch {
         let verdicts = from_field::bound_boxes(&self.tape, &boxes, target)?;
         let mut result = BoxBatchResult { n_boxes: parts.len(), ..BoxBatchResult::default() };
         for ((k, bounds), verdict) in crossed_idx.iter().zip(boxes).zip(verdicts) {
+            // Each box has 64 parts, and they are in the order of the boxes.
             let parent = &self.boxes[k / 64];
             let most = match verdict {
                 BoxVerdict::Nothing => continue,

@@ -72,6 +72,8 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         }
         let mut decided = Vec::new();
         for case in 0..n_cases {
+            // The number of a case has a digit for each cut, which says in which of the parts of
+            // that cut the case lies.
             let mut remaining_case = case;
             let mut signs: Vec<KnownSign> = Vec::new();
             for cut in cuts {
@@ -120,6 +122,7 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         if families.is_empty() || !is_thin {
             return None;
         }
+        // A plane of a family is cut together with its family, and not once more on its own.
         cuts.retain(|cut| !families.iter().flatten().any(|p| *p == cut[0][0].0));
         for family in families {
             cuts.push(self.slabs(family)?);

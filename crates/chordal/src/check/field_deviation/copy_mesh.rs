@@ -51,6 +51,7 @@ impl CopyMesh {
     /// The triangles of the mesh, some of whose vertices have several places; a vertex is named by its id.
     pub fn with_places(mesh: &Mesh, ids: &[u32], places: &BTreeMap<u32, VertexPlaces>) -> Self {
         let mut copy = Self::new(mesh, ids);
+        // A vertex without several places obeys all of its corners.
         let mut obeyed = mesh_corners(mesh.faces(), ids);
         obeyed.retain(|(v, _)| !places.contains_key(v));
         for (vertex, vertex_places) in places {
@@ -98,6 +99,9 @@ impl CopyMesh {
             if has_places(other) && other < vertex {
                 continue;
             }
+            //    to_before ──── to       as the faces before and after the edge have it. In the mesh both
+            //        │       ╱   │       sides of this gap are one edge; in the copy two triangles fill it,
+            //   from_before ── from      or one, or none, if the places are the same.
             let (from, to) = (row(self, after, 0), row(self, after, 1));
             let (from_before, to_before) = (row(self, *before, 0), row(self, *before, 2));
             for triangle in [[to, from, from_before], [to, from_before, to_before]] {

@@ -182,6 +182,8 @@ impl FieldCover {
             for cell in std::mem::take(&mut self.open) {
                 let bounds = self.bounds_of(&self.cells[cell as usize]);
                 let level = self.cells[cell as usize].level;
+                // A divided cell has eight children, and those of the cells before it need room
+                // too.
                 let has_room = self.has_room(8 * (now.len() + 1));
                 let may_be = level < DEEPEST && has_room && !is_over;
                 let is_divided = level < FIRST || may_be && is_worth(&bounds, self.size_of(cell));
@@ -192,6 +194,7 @@ impl FieldCover {
                 return Ok(());
             }
             let first_open = self.open.len();
+            // In batches, since a query holds the ranges of all primitives in all cells of it.
             while !now.is_empty() {
                 if !self.has_room(8 * now.len()) {
                     self.open.extend(now);
@@ -202,6 +205,7 @@ impl FieldCover {
                 self.classify_cells(evaluator, &parts)?;
                 now = later;
             }
+            // Cells that were open before have been looked at.
             self.resolve_walls(evaluator, regions, first_open)?;
         }
     }
@@ -242,6 +246,7 @@ impl FieldCover {
         let mut padded_cells = Vec::with_capacity(cells.len());
         for cell in cells {
             let bounds = self.bounds_of(&self.cells[*cell as usize]);
+            // Where the bounds promise that there is nothing, no range is needed.
             let is_apart =
                 (0..3).any(|k| bounds.min[k] > self.bounds.max[k] || bounds.max[k] < self.bounds.min[k]);
             if is_apart {
@@ -258,6 +263,8 @@ impl FieldCover {
             .iter()
             .flat_map(|(cell, bounds)| primitives(self, *cell).into_iter().map(|p| (p, *bounds)))
             .collect();
+        // First ranges alone; most cells are decided by them. What is left gets the mean value
+        // theorem, and what that leaves a search for a direction.
         let slopes = evaluator.dual_ranges(&questions)?;
         let mut remaining = slopes.as_slice();
         let mut undecided: Vec<(u32, CellRanges)> = Vec::new();
@@ -305,11 +312,13 @@ impl FieldCover {
         let mut results = parts.iter().map(|(cell, part)| {
             let (part_ranges, after) = remaining.split_at(part.signs.len());
             remaining = after;
+            // Strictly: on a zero set a point would be in no part.
             let holds = |((_, is_positive), [low, high]): (&(u32, bool), &[f64; 2])| {
                 if *is_positive { *low > 0.0 } else { *high < 0.0 }
             };
             (*cell, part.signs.iter().zip(part_ranges).all(holds))
         });
+        // Parts are in the order of the cells, so the list is sorted.
         let failed: Vec<u32> = results.by_ref().filter(|(_, holds)| !holds).map(|(cell, _)| cell).collect();
         let is_failed = |cell: u32| failed.binary_search(&cell).is_ok();
         for cell in grown {
@@ -388,6 +397,7 @@ impl FieldCover {
             let centre = ranges.bounds.centre();
             for (slope, middle) in ranges.slopes.iter_mut().zip(cell_middles) {
                 let Some(gradient) = slope.gradient else { continue };
+                // F(x) − F(centre)| ≤ Σ |∂ₖF|·|xₖ − centreₖ|. Where that is no narrower than the range, the range stays: both hold.
                 let stray = (0..3).fold(0.0, |sum, k| {
                     let (low, high) =
                         (sub_up(centre[k], ranges.bounds.min[k]), sub_up(ranges.bounds.max[k], centre[k]));
@@ -452,6 +462,7 @@ impl FieldCover {
             if !matches!(cell.state, CellState::Decided(_)) {
                 continue;
             }
+            // Smaller neighbours are left out by `leaf`; they find this cell from their side.
             for (axis, step) in [(0, 1_i64), (1, 1), (2, 1), (0, -1), (1, -1), (2, -1)] {
                 let moved = i64::from(cell.corner[axis]) + step;
                 if moved < 0 || moved >= 1 << cell.level {
@@ -472,6 +483,8 @@ impl FieldCover {
         for (number, cell) in self.cells.iter().enumerate() {
             if matches!(cell.state, CellState::Decided(_)) {
                 let best = &mut largest[root(&mut sets, number as u32) as usize];
+                // A large cell is farther from the surface, so winding numbers around its centre
+                // are easier to certify. Among equal ones the first stays.
                 if best.is_none_or(|best| self.cells[best as usize].level > cell.level) {
                     *best = Some(number as u32);
                 }

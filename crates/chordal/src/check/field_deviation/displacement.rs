@@ -188,6 +188,8 @@ pub(super) fn face_constraints(
     for part in parts(mesh) {
         let samples = FaceSamples::from_faces(regions, evaluator, mesh, part, band)?;
         for (face, sampled) in samples.faces(&regions.trees) {
+            // For every face, also those without samples: the constraints of face k are between
+            // entries k and k + 1.
             constraints_by_side.iter_mut().for_each(|face_constraints| {
                 face_constraints.starts.push(face_constraints.constraints.len() as u32)
             });
@@ -199,6 +201,7 @@ pub(super) fn face_constraints(
                 DisplacementNormals::VertexAndFace => [vertex_normal, normal(&mesh.corners(face))],
             };
             for (side, face_constraints) in constraints_by_side.iter_mut().enumerate() {
+                // Being inside is being outside of the complement.
                 let outward = directions.map(|d| if side == 1 { d.map(|x| -x) } else { d });
                 let of_face =
                     FaceDistances { local, slopes, distances: &distances, outward, band: band(face) };
@@ -385,6 +388,7 @@ impl FaceDistances<'_> {
         if samples == 0 {
             return NodeSamples { values, literals: Vec::new(), is_across: false };
         }
+        // The last sample is the centroid, which is farthest from kinks along edges.
         let gradient = self.slopes[first + SAMPLES.len() - 1].gradient;
         let is_across = self.outward.iter().all(|outward| {
             let along = dot(gradient, *outward) * if is_complement { -1.0 } else { 1.0 };
@@ -428,12 +432,15 @@ fn face_constraint(
     let first = literal.place as usize * SAMPLES.len();
     let sign = if literal.is_complement { -1.0 } else { 1.0 };
     let heights: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
+    // Values at the corners, but gradients beside them.
     let beside: [[f64; 3]; 3] = std::array::from_fn(|k| slopes[first + 3 + k].gradient);
     // A corner farther away than its largest possible displacement counts as that far.
     let at_corners: [f64; 3] = std::array::from_fn(|k| {
         let far = sign * slopes[first + k].value / length(beside[k]);
         lesser(max_displacement.now, far)
     });
+    // The plane through the values at the corners may be above those at the samples. All of it has
+    // to be raised by as much, since displacements are linear.
     let mut bulge = 0.0;
     for (k, weights) in SAMPLES.iter().enumerate().filter(|(k, _)| literal.samples >> k & 1 == 1) {
         let below = dot(at_corners, *weights) - heights[k];
@@ -510,6 +517,8 @@ fn on_line([a, b]: [&HalfSpace; 2], others: &[HalfSpace]) -> Option<[f64; 3]> {
     if det < ROUNDING {
         return None;
     }
+    // The point of the line nearest to the origin, which is perpendicular to the line; so the
+    // shortest solution on it has the parameter nearest to 0.
     let (x, y) = ((a.least - cosine * b.least) / det, (b.least - cosine * a.least) / det);
     let closest: [f64; 3] = std::array::from_fn(|k| x * a.direction[k] + y * b.direction[k]);
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);

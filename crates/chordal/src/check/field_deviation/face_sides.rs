@@ -144,6 +144,7 @@ pub(super) fn classify_sides(
     let faces: Vec<[u32; 3]> = unknown.iter().map(|k| question.faces[*k]).collect();
     let mut computed =
         classify_uncached(regions, evaluator, &SideQuery { faces: &faces, ..*question })?.into_iter();
+    // Emptied and not trimmed: which of the old verdicts will be asked for again is not known.
     if regions.face_sides.verdicts.len() + unknown.len() > regions.face_sides.most {
         regions.face_sides.verdicts.clear();
     }
@@ -165,6 +166,7 @@ fn classify_uncached(
     debug_assert!(question.cuts <= MOST_CUTS);
     let mut verdicts = vec![FaceSide::Proved; question.faces.len()];
     let (mut pieces, mut values) = initial_triangles(regions, evaluator, question, &mut verdicts)?;
+    // Trees of pieces are for this call; regions refer to the trees before them.
     let n_kept = regions.trees.len();
     for cuts in 0..=question.cuts {
         if pieces.is_empty() {
@@ -188,6 +190,7 @@ fn classify_uncached(
             let (piece_slopes, after) = remaining.split_at(sides.len());
             remaining = after;
             let face = &mut verdicts[piece.face as usize];
+            // Another piece has decided about the face.
             if *face != FaceSide::Proved {
                 continue;
             }
@@ -208,6 +211,7 @@ fn classify_uncached(
                 }
             }
         }
+        // Pieces may have been listed before one of their face failed.
         split.retain(|part| verdicts[pieces[part.piece].face as usize] == FaceSide::Proved);
         if split.len() > PIECES_A_FACE * question.faces.len() + MOST_PIECES {
             abandon_most_split(&pieces, &mut split, &mut verdicts);
@@ -270,6 +274,7 @@ fn pieces_sides(
         if let Some(side) = extents[number].side_of_tangent(curvature(*p), (tangent, &slopes[row]), piece) {
             result.sides[k] = side;
             let local = regions.trees.get(piece.tree);
+            // Slopes of the piece begin where that of its first primitive is.
             let first = row - k;
             result.side = local.membership(&result.sides, &slopes[first..first + result.sides.len()]);
         }
@@ -326,6 +331,7 @@ fn initial_triangles(
         pieces.push(SignTriangle { corners, slack, face: number as u32, tree, values: n_values });
         n_values += primitives.len();
     }
+    // Faces share vertices, so each primitive is evaluated at each vertex once.
     pairs.sort_unstable();
     pairs.dedup();
     let questions: Vec<(u32, Box3)> =
@@ -339,6 +345,7 @@ fn initial_triangles(
         let corner_values: Vec<CornerValues> =
             local.primitives.iter().map(|p| face.map(|v| value(*p, v))).collect();
         let corner = |k: usize| corner_values.iter().map(|at_corners| at_corners[k]).collect::<Vec<_>>();
+        // A corner on the wrong side cannot be helped by pieces.
         if (0..3).any(|k| is_opposite(side_at_point(local, &corner(k)), question.side)) {
             verdicts[piece.face as usize] = FaceSide::Wrong;
         }
@@ -383,6 +390,8 @@ fn halves(
             corners[replaced] = middle;
             parts.push(SignTriangle { corners, tree: *tree, values: part_values.len(), ..*piece });
             for (p, at_middle) in new.primitives.iter().zip(at_middle) {
+                // The corners that stay keep their values; only that of the midpoint is new. The
+                // restricted tree may lack primitives of the old one.
                 let mut at_corners = values[piece.values + old.index_of(*p)];
                 at_corners[replaced] = *at_middle;
                 part_values.push(at_corners);
@@ -486,6 +495,8 @@ impl SignTriangleExtent {
         let by_widths = mul_up(0.5, sum);
         let stray = lesser(by_widths, by_radius);
         let rounding = self.rounding(&gradient);
+        // A concave function is nowhere below L, a convex one nowhere above it: on that side only
+        // rounding counts.
         let [below, above] = [curvature.is_concave(), curvature.is_convex()]
             .map(|is_within| if is_within { rounding } else { add_up(stray, rounding) });
         let low = at_corners.iter().fold(f64::INFINITY, |low, [a, _]| lesser(*a, low));

@@ -140,6 +140,8 @@ impl FieldDeviationSearch<'_> {
         let middles: Vec<[f64; 3]> = some.iter().map(|(piece, _)| piece.middle()).collect();
         let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; some.len()];
         tape.gradient_at(&middles, &mut slopes)?;
+        // A length as a value of F, by the slope at the middle. A wrong estimate costs pieces, not
+        // the proof.
         let wanted = |n: usize| LOOSE * enough * length(slopes[n].gradient);
         let is_loose = |n: &usize| some[*n].1 > wanted(*n);
         let mut most: Vec<f64> = some.iter().map(|(_, bounds)| *bounds).collect();
@@ -153,6 +155,7 @@ impl FieldDeviationSearch<'_> {
             for ((n, piece), bounds) in open.into_iter().zip(bounds) {
                 if bounds.residual > wanted(n) && round < EAGER {
                     next.extend(piece.halves().map(|half| (n, half)));
+                // In the last round every residual counts as it is.
                 } else {
                     let residual = if bounds.residual.is_nan() { f64::INFINITY } else { bounds.residual };
                     most[n] = greater(most[n], residual);
@@ -207,6 +210,8 @@ impl FieldDeviationSearch<'_> {
             far.select_nth_unstable_by(PROBED, |a, b| most(b).total_cmp(&most(a)).then(a.cmp(b)));
             far.truncate(PROBED);
         }
+        // Back in the order of the pieces, so that tasks, and the first of equal results, do not
+        // depend on the selection.
         far.sort_unstable();
         let chunks: Vec<&[usize]> =
             far.chunks(if self.tape.has_leaves() { PROBED } else { PROBED_AT_ONCE }).collect();
@@ -268,6 +273,7 @@ impl FieldDeviationSearch<'_> {
     ) -> Result<(), LeafError> {
         let tape = &self.tape;
         let relative = self.goal.max.is_none();
+        // From the cheapest to the dearest, each only for the pieces that the ones before it leave.
         let mut lost: Vec<usize> = (0..pieces.len()).filter(|k| bounds[*k].at_most > enough).collect();
         refine_some(&lost, pieces, bounds, |selected, bounds| {
             from_mesh::bound_along_gradient(tape, selected, bounds)

@@ -135,6 +135,7 @@ fn by_slopes(
     for ((k, bounds), (slope, value)) in missed.into_iter().zip(&missed_boxes).zip(slopes.iter().zip(values))
     {
         let c = bounds.centre();
+        // All steps from the centre to points of the box, rounded outward.
         let steps = [0, 1, 2].map(|i| step(bounds.min, c)[i].hull(step(bounds.max, c)[i]));
         let range = value + dot(slope.gradient, steps);
         if is_lipschitz(slope) && value.is_defined() && !range.contains(0.0) {
@@ -251,6 +252,12 @@ impl FieldColumn {
     fn over(bounds: &Box3, slope: &Dual<f64>, residual: f64) -> Option<Self> {
         let c = bounds.centre();
         let steep = crate::math::length(slope.gradient);
+        //         n ↑   ┌───────────┐   F > δ: the mesh misses this lid …
+        //               │  ┌─────┐  │
+        //             ~~~~~~~B~~~~~~~~  the surface; the mesh is somewhere beside it, within δ/g
+        //               │  └─────┘  │
+        //               └───────────┘   F < −δ: … and this one, and winds differently around the two
+        // A first-order guess of where the surface meets the axis of the column.
         let shift = -slope.value / steep;
         let half: [f64; 3] =
             std::array::from_fn(|k| greater(c[k] - bounds.min[k], bounds.max[k] - c[k]).next_up());

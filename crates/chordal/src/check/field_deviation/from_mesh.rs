@@ -193,11 +193,14 @@ fn bound_one(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) 
     if !is_lipschitz(slope) || !value.is_defined() {
         return bounds;
     }
+    // The slope is at most the steepest gradient in E, so F cannot reach 0 on a shorter way; beyond
+    // E nothing is known.
     let least = if value.contains(0.0) { 0.0 } else { lesser(value.lo().abs(), value.hi().abs()) };
     let far = div_down(least, steepest(slope));
     let slack = piece.slack();
     let far = sub_down(lesser(far, piece.reach), slack);
     bounds.at_least = greater(far, 0.0);
+    // Both hold; the first is better on small pieces, the second on large ones.
     bounds.residual = lesser(over_corners(piece, slope, value).magnitude(), range_magnitude);
     let Some(growth) = GrowthRate::along_gradient(slope) else { return bounds };
     let steps = growth.steps_for(bounds.residual);
@@ -206,6 +209,8 @@ fn bound_one(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) 
     // The points of the triangle are off those of the piece by the slack, and so is the end of the segment.
     if add_up(far, slack) <= piece.reach {
         bounds.at_most = lesser(bounds.at_most, far);
+    // The way leaves E. A box with more room may still have a rate, as long as it is not much
+    // larger.
     } else if far < 4.0 * piece.reach && piece.cuts < 4 {
         bounds.retry_reach = Some(1.25 * far);
     }
@@ -225,6 +230,8 @@ pub(super) fn bound_along_gradient(
         .iter()
         .zip(&slopes)
         .map(|(piece, slope)| {
+            // To first order; a quarter more, and a quarter of the piece, so that the far end lies
+            // beyond the surface.
             let seems = slope.value.abs() / crate::math::length(slope.gradient);
             let far = 1.25 * seems + 0.25 * piece.extent();
             let along = if slope.value < 0.0 { 1.0 } else { -1.0 };
@@ -260,6 +267,7 @@ pub(super) fn bound_along_gradient(
         };
         let residual = values_on_piece.magnitude();
         let steps = div_up(residual, rate);
+        // The sign changes before the end of the box over which the rate holds.
         if rate > 0.0 && steps < distance {
             bounds[k].at_most = lesser(bounds[k].at_most, mul_up(steps, length_up(direction.map(f64::abs))));
             bounds[k].residual = lesser(bounds[k].residual, residual);
@@ -323,6 +331,7 @@ pub(super) fn bound_by_shift(
         let seems = slope.value.abs() / crate::math::length(slope.gradient);
         // Half the piece in addition, since one end of it may be closer to the surface than the other.
         let far = 1.02 * seems + 0.5 * extent(&Box3::from_points(&piece.corners));
+        // A little less than what is enough, as the length of the rounded direction is rounded up.
         if far.is_finite() && far > enough { far } else { 0.999 * enough }
     });
     let steps: Vec<f64> = steps.collect();
@@ -392,6 +401,7 @@ pub(super) fn bound_by_samples(
         let far = |p: [f64; 3]| {
             piece.corners.iter().map(|c| distance_up(*c, p)).fold(0.0, |most, d| greater(d, most))
         };
+        // One point is enough for all of the piece: the distance to it is largest at a corner.
         let (mut inside, mut outside) = (f64::INFINITY, f64::INFINITY);
         for i in k * each..(k + 1) * each {
             if is_inside(values[i]) {

@@ -50,7 +50,9 @@ pub(super) fn sandwich_deviation(
     }
     let mut best: Option<(SandwichVerdict, LowerBounds)> = None;
     for margin in WITHOUT {
+        // A smaller margin leaves less room for the proof, so it would fail too.
         let Some(verdict) = prove(None, margin)? else { break };
+        // Lower bounds come from points, whatever the margin.
         let lower = match &best {
             Some((_, lower)) => *lower,
             None => lower_bounds(search, &verdict, bvh, PROBED[1])?,

@@ -18,6 +18,7 @@ pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
     if gradients.is_empty() || scales.iter().any(|scale| !scale.is_finite()) {
         return None;
     }
+    // The mean of the middles is in the hull, and usually a direction already.
     let mut at = [0.0; 3];
     for (g, scale) in gradients.iter().zip(&scales) {
         let m = middle(g);
@@ -32,6 +33,8 @@ pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
         if grows(gradients, at) {
             return Some(at);
         }
+        // The corner of each box that is lowest along the direction: the hull's point that is most
+        // against it.
         let farthest = gradients.iter().zip(&scales).map(|(g, scale)| lowest(g, at).map(|x| x * scale));
         let towards = farthest.fold(None, |best: Option<(f64, [f64; 3])>, p| {
             let far = dot(at, p);
@@ -39,6 +42,8 @@ pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
         });
         let (_, p) = towards?;
         let step: [f64; 3] = std::array::from_fn(|k| p[k] - at[k]);
+        // Gilbert's step: the point nearest to 0 on the segment to that corner, which is in the
+        // hull as well.
         let share = -dot(at, step) / dot(step, step);
         let share = lesser(1.0, share);
         if share.is_nan() || share <= f64::EPSILON {

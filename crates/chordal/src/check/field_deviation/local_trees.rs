@@ -121,6 +121,7 @@ impl LocalTree {
         let parallel = (0_u32..).zip(&primitives).filter_map(|(index, p)| Some((index, order_of(p)?, *p)));
         let parallel = parallel.filter(|(_, order, p)| has_other(*p, order.family));
         let parallel = parallel.map(|(index, order, _)| (index, order)).collect();
+        // Bit 1 for the primitive, bit 2 for its complement: 3 means that it occurs as both.
         let mut kinds = vec![0_u8; primitives.len()];
         for node in tree.nodes() {
             let (p, kind) = match node {
@@ -184,6 +185,8 @@ impl LocalTree {
             }
             common_side = Some(side);
         }
+        // A closed crack may be counted as inside only if nothing of the inside is lost with it, so
+        // if the zero sets have no interior. For the outside the argument needs no such thing.
         match common_side {
             Some(Membership::Inside) if !open.iter().all(|(k, _)| has_thin_zeros(&slopes[*k])) => {
                 Membership::Unknown
@@ -350,6 +353,8 @@ pub(super) fn by_value(tree: &CsgTree, range_of: impl Fn(u32, bool) -> [f64; 2])
             CsgNode::Union(n) | CsgNode::Intersection(n) => {
                 let is_union = matches!(node, CsgNode::Union(_));
                 let operands = stack.split_off(stack.len() - n as usize);
+                // A union is a minimum, an intersection a maximum; both are monotone, so ends give
+                // ends.
                 let pick = |a: f64, b: f64| if (b < a) == is_union { b } else { a };
                 let range = operands[1..]
                     .iter()
@@ -363,6 +368,7 @@ pub(super) fn by_value(tree: &CsgTree, range_of: impl Fn(u32, bool) -> [f64; 2])
                         nodes.extend(below);
                     }
                 }
+                // An operator with one operand is that operand.
                 if n_kept > 1 {
                     nodes.push(if is_union { CsgNode::Union(n_kept) } else { CsgNode::Intersection(n_kept) });
                 }

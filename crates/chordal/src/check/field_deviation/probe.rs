@@ -146,8 +146,10 @@ pub(super) fn probe_distances(
         let mut ranges = vec![Interval::UNKNOWN; parts.len()];
         tape.over(&parts, &mut ranges)?;
         for (n, (part, range)) in parts.iter().zip(&ranges).enumerate() {
+            // A range that touches 0 from above is outside: ties are outside.
             let one_sign = range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0);
             if !one_sign {
+                // Each box has 64 parts, in the order of the boxes.
                 walks[cut[n / 64].0].keep(*part);
             }
         }

@@ -138,6 +138,8 @@ impl<'a> SandwichProver<'a> {
         let sandwich =
             Sandwich::build(&mut self.regions, &mut self.evaluator, &tied, goal).map_err(leaf_failure)?;
         let is_closed = sandwich.open.iter().all(Vec::is_empty);
+        // The caller will split these faces, which changes the copies: looking at cells would be
+        // wasted.
         if !is_closed && goal.faces_first {
             return Ok(SandwichVerdict::from_faces(sandwich.open, sandwich.bounds));
         }
@@ -150,6 +152,7 @@ impl<'a> SandwichProver<'a> {
             enclosures: [Enclosure::new(&copies[0], &bvhs[0]), Enclosure::new(&copies[1], &bvhs[1])],
         };
         let mut refine = |share: f64| {
+            // A cell that the copies settle need not be divided, however large it is.
             let is_worth = |bounds: &Box3, size: f64| size > share * bound && !copy_pair.proves_cell(bounds);
             self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(leaf_failure)?;
             Ok::<usize, JobError>(self.cover.open.len())

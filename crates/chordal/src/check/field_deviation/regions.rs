@@ -75,6 +75,7 @@ impl SignRegions {
                         parts[octant].push(row);
                     }
                 }
+                // A child that exists costs nothing; a new one must pay.
                 let is_worth = |octant: usize, rows: &Vec<u32>| {
                     !rows.is_empty() && (region.children[octant].is_some() || rows.len() >= WORTH)
                 };
@@ -98,6 +99,8 @@ impl SignRegions {
         wanted: &[(u32, usize, Vec<u32>)],
     ) -> Result<(), LeafError> {
         let bytes = size_of_val(&*self.regions) as u64 + self.trees.bytes();
+        // Without the children boxes keep the tree of the parent, which is valid there too, only
+        // longer.
         if bytes > self.most_bytes {
             return Ok(());
         }

@@ -56,6 +56,7 @@ pub(super) fn measured(
         let mut values = vec![0.0; middles.len()];
         tape.at_many(&middles, &mut values).map_err(leaf_failure)?;
         for ((bracket, middle), value) in brackets.iter_mut().zip(&middles).zip(&values) {
+            // The first end is inside, the second outside.
             let inside = *value < 0.0;
             bracket.ends[usize::from(!inside)] = *middle;
         }
@@ -71,6 +72,7 @@ pub(super) fn measured(
     let mut far = Vec::new();
     for (SurfaceBracket { face, ends }, distance) in brackets.iter().zip(distances) {
         let Some(distance) = distance else { continue };
+        // The surface is somewhere in the bracket, so its whole width is taken off.
         let width = crate::math::length(crate::math::difference(ends[0], ends[1]));
         let distance = sub_down(distance, width.next_up());
         if distance > length {
@@ -186,8 +188,11 @@ fn brackets_of(mesh: &Mesh, part: &[u32], tape: &Tape, round: u64) -> Result<Vec
         let normal = face_normal(corners).unwrap_or([0.0, 0.0, 1.0]);
         let size = crate::math::length(crate::math::difference(corners[0], corners[1]));
         let centroid = std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0);
+        // Two faces run along their edge in opposite directions, so it is upwards in one of them
+        // alone.
         let own_edges = (0..3).filter(|i| numbers[*i] < numbers[(i + 1) % 3]);
         let middles = own_edges.map(|i| middle([corners[i], corners[(i + 1) % 3]]));
+        // Every face and every round has its own stretch of the sequence.
         let number = |k: u64| SCATTERED * (u64::from(*face) + round * mesh.faces().len() as u64) + k + 1;
         let all_over = (0..SCATTERED).map(|k| scattered(&corners, number(k)));
         for from in std::iter::once(centroid).chain(middles).chain(all_over) {
@@ -212,6 +217,8 @@ fn brackets_of(mesh: &Mesh, part: &[u32], tape: &Tape, round: u64) -> Result<Vec
         let mut unbracketed = Vec::new();
         for (search, values) in open.into_iter().zip(values.chunks_exact(2)) {
             let below = search.between((-step, values[0]), (1 - step, search.below));
+            // Only the new step on each side is looked at: the ones nearer have the sign of the
+            // start.
             match below.or_else(|| search.between((step - 1, search.above), (step, values[1]))) {
                 Some(bracket) => brackets.push(bracket),
                 None => unbracketed.push(NormalSearch { below: values[0], above: values[1], ..search }),

@@ -373,6 +373,8 @@ impl SandwichBuilder<'_> {
             let fits = |share: f64| at_share(share).filter(|d| length(*d) <= max_length);
             let (mut low, mut high, mut largest_fit) = (0.0, 1.0, fits(1.0));
             if largest_fit.is_none() {
+                // Lengths need not grow evenly with the share, so the bisection may miss the
+                // largest one that fits; any that fits will do, since the proof comes after it.
                 for _ in 0..HALVINGS {
                     let middle = 0.5 * (low + high);
                     match fits(middle) {
@@ -403,6 +405,7 @@ impl SandwichBuilder<'_> {
         let mut triangles = Rc::clone(&self.copies[side].triangles);
         let mut todo = triangles.vertices_of(open);
         for round in 0..ROUNDS {
+            // Only faces around vertices that moved have to be proved again.
             todo.iter().for_each(|v| self.displace(*v, side));
             self.copies[side].spread();
             let mut faces_to_prove: Vec<u32> = todo.iter().flat_map(|v| triangles.faces_around(*v)).collect();

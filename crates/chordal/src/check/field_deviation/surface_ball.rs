@@ -63,12 +63,15 @@ pub(super) fn project_to_surface(
             let is_in = slope.value < 0.0;
             if step == 0 {
                 inside[k] = is_in;
+            // The last step crossed the surface.
             } else if is_in != inside[k] {
                 brackets[k] = Some([before[k], at[k]]);
                 continue;
             }
             let steep = crate::math::length(slope.gradient);
             let least = sizes[k] / 64.0;
+            // Near the surface Newton's steps shrink to nothing without ever crossing it, so they
+            // have a least length.
             let far = greater(BEYOND * slope.value.abs() / steep, least);
             if far.is_finite() && steep > 0.0 {
                 let along = if is_in { far / steep } else { -far / steep };
@@ -101,6 +104,7 @@ pub(super) fn certify_brackets(
         let middles: Vec<[f64; 3]> = brackets.iter().map(middle).collect();
         tape.at(&middles, &mut values)?;
         for (k, value) in values.iter().enumerate() {
+            // The middle replaces the end whose sign it has, so the ends keep different signs.
             brackets[k][usize::from((*value < 0.0) != first[k])] = middles[k];
         }
     }
@@ -140,6 +144,7 @@ impl SurfaceBalls {
     /// Finds witnesses between neighbours of opposite signs on a lattice over the box.
     pub fn sample_box(tape: &Tape, bounds: &Box3) -> Result<Self, LeafError> {
         let mut witnesses = Vec::new();
+        // The fine lattice is for fields whose surface slips through the coarse one.
         for n in SIDES {
             let at = |k: usize, i: usize| {
                 let share = i as f64 / (n - 1) as f64;
@@ -158,6 +163,8 @@ impl SurfaceBalls {
                     }
                 }
             }
+            // Evenly over the box, since neighbouring brackets witness the same part of the
+            // surface.
             let stride = brackets.len().div_ceil(KEPT).max(1);
             let brackets = brackets.into_iter().step_by(stride).collect();
             witnesses = certify_brackets(tape, brackets)?.into_iter().flatten().collect();

@@ -65,6 +65,7 @@ pub(super) fn places(
     let fits_run = |first: usize, last: usize| fits(&corners_between(first, last));
     let mut best: Option<Vec<[usize; 2]>> = None;
     for start in 0..n {
+        // Only fewer runs are better; of equally few the first stays.
         let most = best.as_ref().map_or(n, |best| best.len() - 1);
         if let Some(runs) = runs_from(start, n, most, &fits_run) {
             best = Some(runs);
@@ -117,6 +118,7 @@ fn runs_from(
     let mut runs = Vec::new();
     let mut first = start;
     while first < start + n {
+        // As far as possible: a shorter run never makes the next one reach farther.
         let mut last = first;
         while last < start + n && fits(first, last + 1) {
             last += 1;

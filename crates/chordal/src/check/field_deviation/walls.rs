@@ -88,6 +88,7 @@ fn monotone(
         remaining = after;
         prism.sides = prism_slopes.iter().map(|slope| LiteralSides::from_range(&slope.value)).collect();
         for ((p, slope), sides) in local.primitives.iter().zip(prism_slopes).zip(&prism.sides) {
+            // A primitive that keeps its sign all over the prism is no level of the wall.
             if !sides.is_open() {
                 continue;
             }
@@ -123,6 +124,7 @@ fn crossed(evaluator: &mut PrimitiveEvaluator, prisms: &mut Vec<WallPrism>) -> R
         let (lid_ranges, after) = remaining.split_at(2 * prism.levels.len());
         remaining = after;
         prism.levels.iter().zip(lid_ranges.chunks_exact(2)).all(|((_, grows), lids)| {
+            // Seen in the direction in which the primitive grows.
             let [below, above] = if *grows { [lids[0], lids[1]] } else { [lids[1], lids[0]] };
             below[1] < 0.0 && above[0] > 0.0
         })
@@ -147,6 +149,8 @@ fn points(
     for prism in prisms {
         let (prism_zeros, after) = remaining.split_at(prism.levels.len());
         remaining = after;
+        // Zeros and lids in order along the axis: between each two of them is one part, and its
+        // middle.
         let mut cuts = prism_zeros.to_vec();
         cuts.extend([prism.bounds.min[prism.axis], prism.bounds.max[prism.axis]]);
         cuts.sort_unstable_by(f64::total_cmp);
@@ -221,6 +225,8 @@ fn parts(
             sides[local.index_of(*p)] = of_level;
         }
         let side = local.membership_without_cracks(&sides);
+        // Two neighbouring points with the same sides are in one part, so another part has no
+        // point.
         if side == Membership::Unknown || before.as_ref() == Some(&sides) {
             return None;
         }

@@ -68,6 +68,7 @@ impl<'a> BinnedMesh<'a> {
         let mut banded = Self {
             projected: ScreenMesh::new(mesh, camera, job)?,
             sides,
+            // Even, so that no quad of two by two pixels is in two bands.
             rows_of_a_band: (BAND_PX / i64::from(width) / 2 * 2).max(2),
             entries: Vec::new(),
             tally: RasterCounts::default(),
@@ -135,6 +136,7 @@ impl<'a> BinnedMesh<'a> {
                 let [first, end] = piece.span_within(row, width);
                 pixels += end - first;
             }
+            // With the rows that shifted centres may reach, so that flicker uses the same bands.
             let ys = spots.map(|spot| i64::from(spot.at[1]));
             let reached =
                 [ys[0].min(ys[1]).min(ys[2]) - MOST_SHIFT, ys[0].max(ys[1]).max(ys[2]) + MOST_SHIFT];
@@ -170,6 +172,7 @@ impl<'a> BinnedMesh<'a> {
         mut visit: impl FnMut(u32, &RasterTriangle, [i64; 2]),
     ) {
         for chunk in &self.entries {
+            // Entries of a chunk are sorted by band.
             let start = chunk.partition_point(|entry| entry.0 < band.number);
             for (number, face) in &chunk[start..] {
                 if *number != band.number {

@@ -175,6 +175,8 @@ fn band_quads(banded: &BinnedMesh, band: &ScreenBand) -> (Vec<u32>, ShadingCount
         if rows[0] == rows[1] {
             return;
         }
+        // A quad is shaded if any of its four pixels is covered, so spans of two rows are taken
+        // together.
         for pair in rows[0] / 2..(rows[1] + 1) / 2 {
             let span = |row: i64| {
                 if (rows[0]..rows[1]).contains(&row) { piece.span_within(row, width) } else { [0, 0] }

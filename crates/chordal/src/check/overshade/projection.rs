@@ -88,6 +88,7 @@ impl RasterCamera {
             let size = seat.to_eye_space(mesh.positions()[*row as usize]).abs().max_element();
             greater(size, sum)
         };
+        // Only vertices with a face: others would make the least depth larger than the shape needs.
         let reach = mesh.faces().iter().flatten().fold(0.0, far);
         seat.reach = if reach > 0.0 { reach } else { 1.0 };
         let least = if parallel { 0.0 } else { LEAST_DEPTH * seat.reach };
@@ -156,6 +157,7 @@ impl<'a> ScreenMesh<'a> {
             let vertex_on_screen = |point: &[f64; 3]| {
                 let eye_point = seat.to_eye_space(*point);
                 if seat.is_clipped(eye_point) {
+                    // A mark: triangles with such a vertex are clipped in the space of the eye.
                     RasterVertex { at: [0; 2], nearness: f64::NAN }
                 } else {
                     seat.to_screen(eye_point)

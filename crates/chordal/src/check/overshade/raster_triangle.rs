@@ -61,6 +61,8 @@ impl RasterTriangle {
     /// The triangle relative to pixel centres moved by `shift`, in steps; `None` without area.
     pub fn new(spots: &[RasterVertex; 3], shift: [i64; 2]) -> Option<Self> {
         let corner_at = |k: usize| [0, 1].map(|axis| i64::from(spots[k].at[axis]) - shift[axis]);
+        // Exact, see the top of the file. Rows run downwards on the screen, so the sign is opposite
+        // to that in space.
         let signed = EdgeFunction::new(corner_at(0), corner_at(1)).at(corner_at(2));
         // The inside is positive if the corners appear clockwise.
         let order = if signed < 0 { [0, 2, 1] } else { [0, 1, 2] };

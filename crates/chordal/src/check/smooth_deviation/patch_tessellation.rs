@@ -166,11 +166,19 @@ impl PartTriangles {
         ];
         let more =
             |k: usize| along[k].map_or(&[][..], |cell| between[k].get(cell).map_or(&[][..], Vec::as_slice));
+        // Where no side has additional points, two triangles do.
         let [a, b, d, e] = corners;
         if (0..4).all(|k| more(k).is_empty()) {
             self.faces.extend([[a, b, d], [a, d, e]]);
             return;
         }
+        // The middle of the cell as a point of the surface, and the rim with the points that the
+        // neighbours have:
+        //     e ─── · ─── d
+        //     │  ╲  │  ╱  │        · points of a neighbour that is cut more often
+        //     │    mid    ·        Both sides then have the same edges, so there is no crack.
+        //     │  ╱     ╲  │
+        //     a ───────── b
         let [_, upper] = cell.patch.halves_v();
         let [_, quarter] = upper.halves_u();
         let middle = self.push(quarter.control[0][0]);
@@ -244,6 +252,8 @@ impl ParametricBend {
                 vv = greater(vv, bend(c[j][i], c[j + 1][i], c[j + 2][i]));
             }
         }
+        // The mixed derivative is 9 times the differences of differences, the pure ones 6 times the
+        // second differences (degree 3).
         for i in 0..3 {
             for j in 0..3 {
                 let twist =

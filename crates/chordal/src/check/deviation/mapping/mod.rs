@@ -117,6 +117,9 @@ impl<'a> MappedPair<'a> {
             let result = FanSurface::new(&local[1], Topology::Indices.ids(b).as_deref());
             let rows = a.faces().as_flattened();
             let images = vertex_images(&source, &result, (rows, near.by_row), job);
+            // No image is nearer than its vertex allows, so a walk that stays about as near as the
+            // farthest vertex does not widen the bound. Below the floor or the wanted length
+            // nothing is gained either.
             let enough = greater(PATH_SLACK * largest_distance_sq(&images).sqrt(), common_frame.floor());
             let enough = greater(enough, NEARLY * common_frame.frame.local_length(length));
             let paths = edge_paths(&source, &result, &images, (enough, job));
@@ -144,6 +147,8 @@ impl<'a> MappedPair<'a> {
             let enough = |least: f64| wanted.sufficient_distance(least) >= most;
             let none = FarthestSample { at: self.source.at(0), at_least: 0.0 };
             let down = |at, _| tree.closest_distance_down(at).unwrap_or(0.0);
+            // From the source every candidate is tried, since the tree answers at once. The other
+            // way each candidate is a pass over all faces, so it stops as soon as the goal is met.
             let far = from_source.farthest(none, |_| false, down);
             let to = tree.closest_point(far.at).map_or(far.at, |closest| closest.point);
             let down = |at, up| distance_down_to_all(&self.source, at, up, job);
@@ -172,6 +177,9 @@ impl<'a> MappedPair<'a> {
             if settled.iter().all(|settled| settled.open.is_empty()) {
                 return Ok(result_of(settled.map(|settled| settled.up)));
             }
+            // A few faces are decided against the parts around them. That only counts if all of
+            // them are within the length: a violation would need its exact distance, and so the
+            // search.
             if settled.iter().all(|settled| settled.open.len() <= FEW) {
                 let open = settled.each_ref().map(|settled| settled.open.as_slice());
                 let report = NearbyPair::new(self, open, (enough, job))?.violations(enough, job);
@@ -196,6 +204,8 @@ impl<'a> MappedPair<'a> {
     ) -> Result<Deviation, JobError> {
         let pair = SurfacePair::from_meshes(self.meshes, job)?;
         let [first, second] = &pair.sides;
+        // Bounds that the cells have proved go on counting; the search starts with the faces that
+        // are left.
         let up = [0, 1].map(|k| (settled[k].up, settled[k].n > 0));
         let vertices = pair.vertices_of(settled.map(|settled| settled.open), job);
         let mut directions = [
@@ -262,6 +272,7 @@ impl<'a> MappedPair<'a> {
             let within = bounds.iter().filter(|up| **up <= enough);
             let most = within.fold(0.0, |most, up| greater(most, *up));
             let mut settled = Settled { up: most, n: bounds.len() - open.len(), open };
+            // Looking around each face on its own pays only if few are open.
             if settled.open.is_empty() || settled.open.len() > bounds.len() / MOST_ALONE {
                 return settled;
             }

@@ -30,6 +30,8 @@ impl<'a> NearbyPair<'a> {
     ) -> Result<Self, JobError> {
         let region =
             Region::around(result_wanted.iter().map(|face| mapped.result.corners(*face)), 2.0 * enough);
+        // Of the source the wanted faces, and all that may be near the wanted faces of the result.
+        // The result stays whole: its distances are asked for at any point of the source.
         let mut source_faces: Vec<u32> = source_wanted.to_vec();
         let near = |face: &u32| region.touches(&Box3::from_points(&mapped.source.corners(*face)));
         source_faces.extend((0..mapped.source.n_faces() as u32).filter(near));
@@ -48,6 +50,7 @@ impl<'a> NearbyPair<'a> {
             DistanceSurface::new(Cow::Owned(mapped.local[1].clone().into_owned()), job)?,
         ];
         let pair = SurfacePair { common_frame: mapped.common_frame, position_ids, sides };
+        // The list is sorted, so the position of a face in it is its number in the part.
         let index_in_part = |face: &u32| source_faces.partition_point(|known| known < face) as u32;
         let wanted = [source_wanted.iter().map(index_in_part).collect(), result_wanted.to_vec()];
         Ok(Self { pair, source_faces, wanted })

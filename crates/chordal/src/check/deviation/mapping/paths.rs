@@ -141,6 +141,7 @@ impl PathFinder<'_> {
         if a.image.face == NONE || b.image.face == NONE {
             return false;
         }
+        // The straight segment stays in the face, which is convex.
         if a.image.face == b.image.face {
             return true;
         }
@@ -161,6 +162,8 @@ impl PathFinder<'_> {
         if best.up == f64::INFINITY {
             return false;
         }
+        // Parameters ascend, as the proof requires: each crossing is searched from the previous one
+        // on.
         let mut t = 0.0;
         for &g in &best.crossed {
             let crossing = Crossing::nearest([a.at, b.at], self.ends(g), t);
@@ -279,6 +282,8 @@ impl PathFinder<'_> {
             Carrier::Corner(h) => self.result.vertices(face).contains(&self.result.start(h)),
         };
         let (p, q) = (&a.image, &b.image);
+        // Both images are corners of the result: a face that has both is crossed along its side,
+        // and no edge is.
         if let (Carrier::Corner(h), Carrier::Corner(g)) = (p.carrier, q.carrier) {
             let other = self.result.start(g);
             let both = |h: &u32| self.result.vertices(*h / 3).contains(&other);
@@ -297,6 +302,8 @@ impl PathFinder<'_> {
 
     /// The face around an image that lies toward a point.
     fn toward(&self, from: &VertexImage, to: [f64; 3]) -> u32 {
+        // A point a little on the way: the face that is nearest to it is the one the way leads
+        // into.
         let m: [f64; 3] = std::array::from_fn(|k| from.at[k] + TOWARD * (to[k] - from.at[k]));
         let distance_to = |face: u32| distance_sq_to_triangle(m, self.result.corners(face));
         let nearer = |best: (f64, u32), face: u32| {
@@ -341,6 +348,10 @@ impl PathFinder<'_> {
 
     /// The way around a vertex from one of its faces to another.
     fn around(&self, v: u32, [from, to]: [u32; 2], way: Way) -> Option<Vec<u32>> {
+        // `h` starts at v.       to the left the face is left through the edge before h, which ends at v;
+        //       v                its twin starts at v again
+        //      ╱ ╲  h            to the right it is left through h itself; the next half-edge
+        //     ╱   ╲              of the twin's face starts at v again
         let mut h = (3 * from..3 * from + 3).find(|h| self.result.start(*h) == v)?;
         let mut crossed = Vec::new();
         for _ in 0..self.most_crossed(MOST_AROUND) {
@@ -394,6 +405,7 @@ impl PathFinder<'_> {
             if (s >= 0.0) == (t >= 0.0) {
                 continue;
             }
+            // Signs differ, so this divides by a sum of absolute values that is not 0.
             let share = s / (s - t);
             let [p, q] = [self.result.at(u), self.result.at(v)];
             let at: [f64; 3] = std::array::from_fn(|k| p[k] + share * (q[k] - p[k]) - from[k]);
@@ -417,6 +429,8 @@ impl PathFinder<'_> {
                 self.count_steps(n);
                 return Some(());
             }
+            // The plane entered the face between the ends of `t`, which it separates. It leaves
+            // between the apex and the end on the other side.
             let apex = side(self.result.start(previous_in_face(t))) >= 0.0;
             let start = side(self.result.start(t)) >= 0.0;
             h = if apex == start { next_in_face(t) } else { previous_in_face(t) };
