@@ -171,6 +171,9 @@ impl<const D: usize> Arc<D> {
                 along: self.direction(middle + turn),
             };
         };
+        // This form knows no centre, which may be too far away for its digits. With w from the
+        // centre to the arc's middle and v along the chord, both as long as half axes, all points
+        // are cos·w + sin·v apart from the centre.
         let (sin, cos) = libm::sincos(form.half_rad * ((a - 0.5) + (b - 0.5)));
         let over = 0.5 / libm::sin(form.half_rad);
         let w = form.to_middle;
@@ -227,6 +230,9 @@ impl<const D: usize> Arc<D> {
             }
         };
         widen(self.ends[1], 0.0);
+        //           ×        the tangents meet beyond the middle, by the secant of the half angle less 1,
+        //         · · ·      in units of the distance from the centre
+        //       ·       ·    A part of an eighth turns by less than half a circle, so it lies in the triangle.
         for part in 0..8 {
             let (a, b) = (f64::from(part) / 8.0, f64::from(part + 1) / 8.0);
             let ArcPart { half_rad, to_middle, .. } = self.part_about_middle(a, b);

@@ -96,6 +96,8 @@ impl Cluster {
 /// Source of the sizes that suit current processors (124 and 64): A. Kapoulkine, *meshoptimizer*.
 #[must_use]
 pub fn clusters(mesh: &Mesh, triangles: usize, vertices: usize) -> Vec<Cluster> {
+    // A vertex is marked by the first triangle of the cluster that has it, so the marks are never
+    // cleared.
     let mut seen_in = vec![usize::MAX; mesh.positions().len()];
     let (mut clusters, mut from, mut n_vertices) = (Vec::new(), 0, 0);
     for (face, corners) in mesh.faces().iter().enumerate() {
@@ -134,6 +136,7 @@ fn cluster(mesh: &Mesh, faces: Range<usize>) -> Cluster {
     let sum = normals.iter().fold([0.0; 3], |sum: [f64; 3], n| std::array::from_fn(|k| sum[k] + n[k]));
     let long = length(sum);
     let axis = (long > 0.0).then(|| sum.map(|x| x / long));
+    // The normal that is farthest from the axis.
     let cos = axis
         .map_or(-1.0, |axis| normals.iter().map(|n| dot(*n, axis)).fold(1.0, |lowest, c| lesser(c, lowest)));
     let cos_angle = cos - MARGIN;

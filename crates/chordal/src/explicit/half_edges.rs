@@ -47,11 +47,14 @@ impl HalfEdges {
             }
         }
         let mut out = vec![NONE; n_vertices];
+        // Backwards, so that the first half-edge of each vertex stays.
         (0..start.len()).rev().for_each(|h| out[start[h] as usize] = h as u32);
         let surface = Self { n_faces: faces.len(), start, twin, out };
         // Check that twins are mutual, and that all faces of a vertex form one fan.
         let mutual = (0..surface.twin.len()).all(|h| surface.twin[surface.twin[h] as usize] as usize == h);
         let one_fan = |v: usize| {
+            // The walk around a vertex comes back after the faces of one fan; with a second fan it
+            // comes back too early.
             let degree = (first[v + 1] - first[v]) as usize;
             degree == 0 || surface.one_ring(v as u32).take(degree + 1).count() == degree
         };
@@ -128,6 +131,11 @@ impl HalfEdges {
         let t = self.twin(h);
         let (hn, tn) = (next_in_face(h), next_in_face(t));
         let (a, b, c, d) = (self.start(h), self.start(t), self.apex(h), self.apex(t));
+        //         c                   c
+        //       ╱   ╲               ╱ │ ╲        h: a → b becomes a → z
+        //      a ─ h → b    ⇒      a ─ z ─ b     t: b → a becomes b → z
+        //       ╲   ╱               ╲ │ ╱        new: f = z b c, g = z a d
+        //         d                   d
         let z = self.out.len() as u32;
         let f = self.start.len() as u32;
         let g = f + 3;
@@ -143,6 +151,7 @@ impl HalfEdges {
         self.start[hn as usize] = z;
         self.start[tn as usize] = z;
         self.out.push(f);
+        // These two now start at z, so their old starts need another half-edge.
         if self.out[a as usize] == tn {
             self.out[a as usize] = g + 1;
         }

@@ -126,6 +126,8 @@ impl<'a> Forsyth<'a> {
         let mut before = Vec::with_capacity(CACHE + 3);
         let (mut next, mut cursor) = (None, 0);
         while order.len() < self.faces.len() {
+            // If no triangle at a cached vertex is left, the first one in the input order goes on;
+            // the cursor never has to go back.
             let face = next.unwrap_or_else(|| {
                 while self.is_drawn[cursor] {
                     cursor += 1;
@@ -138,6 +140,7 @@ impl<'a> Forsyth<'a> {
             cache.clear();
             for (k, v) in (0..).zip(self.faces[face as usize]) {
                 self.drop_corner(v, 3 * face + k);
+                // A face may have a vertex twice.
                 if !cache.contains(&v) {
                     cache.push(v);
                 }

@@ -217,6 +217,9 @@ impl HalfEdgeBuckets {
         }
         // 3. Write each half-edge to its bucket.
         let mut entries = vec![0_u64; end as usize];
+        // Within the bucket of a lower end, half-edges that run upwards are filled in from the
+        // front, those that run downwards from the back. Both end in the middle, so the direction
+        // takes no bit.
         let mut front = start[..n_rows].to_vec();
         let mut back = start[1..].to_vec();
         for (face_idx, face) in faces.iter().enumerate() {

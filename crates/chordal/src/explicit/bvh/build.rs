@@ -114,6 +114,8 @@ fn subtree(prims: &mut [BvhPrimitive], range: BuildRange, job: &Job) -> Vec<BvhN
             continue;
         }
         let offset = nodes.len() as u32;
+        // Inner children are numbered within their part. Leaves are numbers of triangles, which
+        // already count from the first of all.
         for child in part.iter_mut().flat_map(|n| n.child.iter_mut()).filter(|c| **c & LEAF == 0) {
             *child += offset;
         }
@@ -197,6 +199,8 @@ fn in_leaf_order(
     let mut row = vec![UNSEEN; mesh.positions().len()];
     let mut corners = Vec::new();
     let mut triangles: Vec<BvhTriangle> = Vec::with_capacity(prims.len());
+    // Corners in the order of their first use, so that those of a leaf are near each other in
+    // memory.
     for prim in prims {
         let indices = mesh.faces()[prim.face() as usize].map(|i| {
             let new_row = &mut row[i as usize];

@@ -251,6 +251,8 @@ impl Bvh {
         let down = |triangle: &BvhTriangle, sufficient: f64| {
             triangle::distance_down(query.q, query.corners(self, triangle), sufficient)
         };
+        // From the hinted triangle on, every box that is farther is skipped. A good hint makes that
+        // nearly all.
         let mut lowest = down(first, f64::INFINITY);
         let start = ClosestTriangle { row, face: first.face & !LAST, square: lowest * lowest };
         let closest = self.closest_row_from(&query, start, |triangle| {
@@ -382,6 +384,7 @@ impl Bvh {
         while height > 0 {
             height -= 1;
             let (box_square, child) = stack[height];
+            // The root has the largest number as its distance, and is opened in any case.
             if box_square > limit && box_square < S::ALL {
                 continue;
             }
@@ -391,6 +394,8 @@ impl Bvh {
                     let triangle = &self.triangles[row as usize];
                     let face = triangle.face & !LAST;
                     let value = square(triangle);
+                    // Equal distances: the lower face, so that the answer does not depend on the
+                    // tree or the hint.
                     if value < best.square || (value == best.square && face < best.face) {
                         best = ClosestTriangle { row, face, square: value };
                         limit = distances.limit(value);
@@ -407,6 +412,7 @@ impl Bvh {
             let bottom = height;
             for (box_square, child) in squares.into_iter().zip(node.child) {
                 if box_square <= limit {
+                    // Insertion, farthest first: the nearest child is on top and is opened next.
                     let mut at = height;
                     while at > bottom && stack[at - 1].0 < box_square {
                         stack[at] = stack[at - 1];

@@ -200,6 +200,8 @@ impl Bvh {
             let node = &self.nodes[stack[height] as usize];
             for lane in 0..WIDTH {
                 let child = node.child[lane];
+                // Boxes are f32, rounded outward, so a box may be opened for nothing but is never
+                // missed. The ray goes up: what ends below the point is not on it.
                 let end = |k: usize, end: usize| f64::from(node.bounds[k][end][lane]);
                 let is_over = (0..2).all(|k| end(k, 0) <= high[k] && end(k, 1) >= low[k]);
                 if child == NONE || !is_over || end(2, 1) < low[2] {
@@ -232,10 +234,12 @@ fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     if spans(0) != [true; 2] || spans(1) != [true; 2] || !spans(2)[1] {
         return Some(0);
     }
+    // Tested before the projection: a point on a vertical triangle is on it as well.
     if spans(2)[0] && is_on(corners, q) {
         return None;
     }
     let flat = |p: [f64; 3]| [p[0], p[1]];
+    // A vertical triangle is met by no perturbed ray.
     let facing = orient2d(flat(a), flat(b), flat(c));
     if facing == Orientation::Flat {
         return Some(0);

@@ -126,6 +126,7 @@ impl PackedBoxes {
             // on.
             let first = group >> (WIDTH.trailing_zeros() as usize * (level - 1));
             for &node in &open {
+                // One bit for each of the eight; clearing the lowest one goes on to the next.
                 let mut hits = groups[node as usize].meeting(&bounds);
                 while hits != 0 {
                     let child = WIDTH * node as usize + hits.trailing_zeros() as usize;

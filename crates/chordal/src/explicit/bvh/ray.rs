@@ -117,6 +117,7 @@ impl ShearedRay {
         if u == 0.0 || v == 0.0 || w == 0.0 {
             [u, v, w] = [(c, b), (a, c), (b, a)].map(|(p, q)| exact_cross(p, q));
         }
+        // Of either orientation: the sign of the sum tells the side afterwards.
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
@@ -175,6 +176,8 @@ impl RaySlabs {
             const STEPS: f32 = 2.0 * f32::EPSILON;
             let near = inverse[k] as f32;
             let lowest = near * (1.0 - STEPS);
+            // Finite also along an axis to which the ray is perpendicular, so that 0 times it is 0
+            // and not NaN.
             slabs.inverse_down[k] = lowest.clamp(-f32::MAX, f32::MAX);
             slabs.inverse_up[k] = near * (1.0 + STEPS);
         }
@@ -243,6 +246,8 @@ impl Bvh {
             if !sides.accepts(meeting.front) {
                 return false;
             }
+            // `t_max` was lowered to the best, so what is accepted is as near at least; among
+            // equally near ones the lower face counts.
             if best.is_none_or(|(closest, closest_face)| meeting.t < closest.t || face < closest_face) {
                 cast.t_max = meeting.t;
                 best = Some((meeting, face));
@@ -334,6 +339,7 @@ impl Bvh {
                     }
                     row += 1;
                 }
+                // A hit in the leaf may have shortened the ray.
                 limit = limit_of(cast);
                 continue;
             }
@@ -342,6 +348,7 @@ impl Bvh {
             let bottom = height;
             for (enter, child) in enters.into_iter().zip(node.child) {
                 if enter < f32::INFINITY {
+                    // Insertion, farthest first: the nearest child is on top and is opened next.
                     let mut at = height;
                     while at > bottom && stack[at - 1].0 < enter {
                         stack[at] = stack[at - 1];

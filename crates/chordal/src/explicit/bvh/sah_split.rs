@@ -136,6 +136,7 @@ fn sorted(prims: &mut [BvhPrimitive], axis: usize) -> (usize, [PrimitiveBounds; 
             j -= 1;
         }
     }
+    // `right[i]` holds the triangles from i on.
     let mut right = [PrimitiveBounds::EMPTY; SORTED];
     let mut sum = PrimitiveBounds::EMPTY;
     for i in (1..prims.len()).rev() {
@@ -147,6 +148,7 @@ fn sorted(prims: &mut [BvhPrimitive], axis: usize) -> (usize, [PrimitiveBounds; 
     for i in 1..prims.len() {
         left.add(&prims[i - 1]);
         let cost = left.bounds.area() * i as f32 + right[i].bounds.area() * (prims.len() - i) as f32;
+        // The first in any case: areas may overflow, and then no cost is lower than another.
         if cost < lowest_cost || i == 1 {
             (best, lowest_cost) = ((i, [left, right[i]]), cost);
         }
@@ -205,6 +207,7 @@ fn best_plane<const N: usize>(prims: &[BvhPrimitive], middles: &Box32) -> Option
     for prim in prims {
         let at = bins.bin_of(prim.doubled_centre());
         for axis in 0..3 {
+            // The mask changes nothing; it lets the compiler drop the check of the index.
             let bin = &mut filled[axis][at[axis] as usize & (N - 1)];
             bin.bounds.add(&prim.bounds);
             bin.n += 1;

@@ -59,6 +59,8 @@ pub(super) fn closest_point(q: [f64; 3], corners: [[f64; 3]; 3]) -> TriangleClos
 /// `ac` with the offsets of `q` from the three corners; `None` if the areas contradict each other.
 #[inline]
 fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
+    // Each area is that of the triangle of `q` and one side, seen along the normal: not positive if
+    // the foot of `q` is beyond the side.
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 > 0.0 && d3 < 0.0 {
         let t = d1 / (d1 - d3);
@@ -78,6 +80,7 @@ fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
     let sum = va + vb + vc;
     let (v, w) = (vb / sum, vc / sum);
     let u = 1.0 - v - w;
+    // Rounded areas may contradict each other near a corner of the regions.
     (u >= 0.0 && v >= 0.0 && w >= 0.0).then_some([u, v, w])
 }
 

@@ -68,6 +68,8 @@ impl ClusterMoments {
         } else {
             parts.first().map_or([0.0; 3], |part| part.centre)
         };
+        // Moments about a part's own centre, moved to the common one: moments of the second order
+        // gain a product with the offset, as in the parallel axis theorem.
         for part in parts {
             let offset = difference(part.centre, cluster.centre);
             let n = part.normal;
@@ -95,6 +97,7 @@ impl ClusterMoments {
         let square = dot(d, d);
         let away = square.sqrt();
         let gap = away - self.radius;
+        // Inside the ball around the cluster the series does not hold.
         if gap <= 0.0 || gap < closeness * self.radius {
             return None;
         }
@@ -160,6 +163,7 @@ pub(super) fn moments(bvh: &Bvh) -> Vec<[ClusterMoments; WIDTH]> {
                     &leaf_rows(bvh, child).map(triangle_moments).collect::<Vec<_>>(),
                 )
             } else {
+                // In an array and not a list: this runs once for each node.
                 let below = &bvh.nodes[child as usize];
                 let n = below.child.iter().filter(|child| **child != NONE).count();
                 let parts = moments[child as usize];

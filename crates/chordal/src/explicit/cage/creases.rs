@@ -67,6 +67,7 @@ impl<'a> GridSharpness<'a> {
         let ends = edges.iter().flat_map(|(e, _)| all_ends[*e as usize]);
         let mut is_bare = vec![true; n_vertices];
         all_ends.iter().flatten().for_each(|v| is_bare[*v as usize] = false);
+        // A vertex without edges stays where it is, which is a rule of its own.
         let bare = (0..n_vertices as u32).filter(|v| is_bare[*v as usize]);
         let mut special: Vec<u32> = ends.chain(vertices.iter().map(|(v, _)| *v)).chain(bare).collect();
         special.sort_unstable();
@@ -137,6 +138,8 @@ impl<'a> GridSharpness<'a> {
             let two = [(0, sharp[0]), (1, sharp[1])];
             StencilWeights::from_blend(RuleBlend::new(self.creasing, 0.0, two.into_iter())).crease
         };
+        // With uniform creasing, and for lines that never end, all parts of an edge keep one
+        // sharpness; with Chaikin's rule each part depends on its neighbours.
         let is_stable = |sharp: f64| self.creasing == CreasingMethod::Uniform || sharp >= INFINITELY_SHARP;
         if let EdgeSharpness::Even(sharp) = parts
             && is_stable(*sharp)
@@ -152,6 +155,7 @@ impl<'a> GridSharpness<'a> {
             let sharp = parts.at(part);
             if point_index == 0 || point_index == self.n {
                 let vertex = self.ends[edge as usize][point_index / self.n];
+                // Both ends of an edge with a sharpness are in the list.
                 let index = self.special.binary_search(&vertex).unwrap_or(0);
                 subdivide_sharpness(self.creasing, sharp, self.edges_around(index).map(|(_, sharp)| sharp))
             } else {

@@ -57,6 +57,8 @@ impl CageEdges {
                 edges.faces[first + k] = face_of[*corner as usize];
                 up += usize::from(*runs_up);
             }
+            // Two faces that run along it in the same direction are not neighbours of one
+            // orientation.
             edges.non_manifold[number as usize] = run.len() > 2 || run.len() == 2 && up != 1;
             edges.ends[number as usize] = [low, run[0].0];
             edges.sorted.push(([low, run[0].0], number));

@@ -88,6 +88,12 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
     /// points, gathered if it is a column.
     #[inline(always)]
     fn beside<'b>(&'b self, side: u32, gathered: &'b mut Vec<[T; K]>) -> ([[T; K]; 2], &'b [[T; K]]) {
+        //           edges[2]
+        //         ┌──────────┐
+        //  edges  │  inside  │  edges     inside: (n − 1)² points, row by row from edges[0] to edges[2];
+        //   [3]   │          │   [1]      rows run from edges[3] to edges[1]
+        //         └──────────┘
+        //           edges[0]
         let (quad, k, n) = (side as usize / 4, side as usize % 4, self.n);
         let edges = self.quads.edges[quad];
         // The edges that contain its ends, and the positions on them.
@@ -183,6 +189,7 @@ impl<T: Real, const K: usize> Kernel for GridEdgeKernel<'_, T, K> {
         let (mut row, mut gathered) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut line = vec![[T::default(); K]; level.n + 1];
         let mut smooth = vec![[T::default(); K]; wide];
+        // Rules are listed by edge, so one pass over both finds the rule of each edge.
         let listed = &rules.edges;
         let mut special = listed[listed.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
         for (k, out) in out.chunks_exact_mut(wide).enumerate() {
@@ -249,6 +256,7 @@ impl<T: Real, const K: usize> Kernel for GridFaceKernel<'_, T, K> {
 
 /// The corners of the faces of a range of quads: grid after grid, row by row.
 pub(super) fn corners(quads: &QuadTopology, n: usize, (first, out): (usize, &mut [u32])) {
+    // Points are numbered in this order: vertices, those along edges, those inside grids.
     let inside = quads.n_vertices + quads.ends.len() * (n - 1);
     let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);
     let on_edge = |edge: u32, part: usize| {

@@ -157,6 +157,7 @@ impl Cage {
             return Err(InvalidCage::NotFinite { row });
         }
         let cage = Self { positions, sizes: FaceSizes::from_ends(ends), corners, ..Self::default() };
+        // By vertex the last face that has used it, so that a repeated one is found in one pass.
         let mut last = vec![u32::MAX; cage.positions.len()];
         for (face, vertices) in cage.faces().enumerate() {
             if vertices.len() < 3 {

@@ -50,6 +50,11 @@ impl QuadTopology {
                 let (corner, last) = (first + k, first + if k == 0 { vertices.len() } else { k } - 1);
                 let (next_edge, last_edge) = (edges.of_corner[corner], edges.of_corner[last]);
                 let (next, before) = (n_vertices + next_edge, n_vertices + last_edge);
+                //    before ── inner[last] ── middle
+                //      │                        │
+                //    column              inner[corner]
+                //      │                        │
+                //    vertex ────── row ────── next
                 let half = |edge: u32| (edge as usize, usize::from(edges.ends[edge as usize][1] == vertex));
                 let ((e, i), (f, j)) = (half(next_edge), half(last_edge));
                 let row = quads.number(quads.halves[e][i], [vertex, next]);
@@ -61,6 +66,7 @@ impl QuadTopology {
                 let around = [row, inner[corner], inner[last], column];
                 for (side, edge) in around.iter().enumerate() {
                     let edge_sides = &mut quads.sides[*edge as usize];
+                    // Only two sides are kept; an edge with more faces is sharp, and asks for none.
                     let slot = usize::from(edge_sides[0] != NONE);
                     if edge_sides[slot] == NONE {
                         edge_sides[slot] = (4 * corner + side) as u32;

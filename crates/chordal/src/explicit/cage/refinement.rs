@@ -389,6 +389,7 @@ fn part_creases(
 ) -> Vec<([u32; 2], f64)> {
     let mut creases_of_parts = Vec::new();
     for edge in edges {
+        // Points along an edge follow the vertices, edge by edge.
         let index = |part: usize| match part {
             0 => ends[edge as usize][0],
             _ if part == n => ends[edge as usize][1],

@@ -206,10 +206,12 @@ impl RefinementStep<'_> {
                         .find(|v| !self.edges.ends[edge].contains(v))
                         .unwrap_or(vertices[0])
                 };
+                // Loop: 3/8 of each end and 1/8 of each vertex across.
                 let start = [0, 1, 2].map(|k| 0.375 * a[k] + 0.375 * b[k]);
                 faces.iter().fold(start, |sum, face| plus(sum, 0.125, self.at(across(*face))))
             }
             _ => {
+                // Catmull and Clark: the mean of both ends and of the middles of both faces.
                 let start = [0, 1, 2].map(|k| 0.25 * a[k] + 0.25 * b[k]);
                 faces.iter().fold(start, |sum, face| plus(sum, 0.25, middles[*face as usize]))
             }

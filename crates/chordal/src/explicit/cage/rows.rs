@@ -82,6 +82,8 @@ pub(super) fn divide<T: Real, const K: usize>(
     };
     let (first, last) = (|r| at(left, [0, 3], r), |r| at(right, [1, 2], r));
     for (y, out) in out.chunks_exact_mut(wide).enumerate() {
+        // Even rows of the result lie between two old rows, odd ones on an old row: the border is
+        // not part of the result, so the first one is between.
         let r = y / 2;
         if y % 2 == 0 {
             line[0] = mid(first(r), first(r + 1));

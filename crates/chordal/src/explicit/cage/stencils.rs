@@ -81,6 +81,7 @@ impl RefinementStencils {
         let mut special = Vec::new();
         for v in 0..cage.positions.len() {
             let sharp_edges = around.edges(v).iter().map(|e| (*e, sharp.edges[*e as usize]));
+            // Bilinear points and those without edges stay where they are.
             if sharp_edges.len() == 0 || is_bilinear {
                 special.push((v as u32, StencilWeights::CORNER));
             } else if sharp.vertices[v] > 0.0 || sharp_edges.clone().any(|(_, sharp)| sharp > 0.0) {

@@ -177,6 +177,8 @@ impl Chart {
         let mut rows = texcoords.corners.clone();
         let mut bare = Vec::new();
         for face in 0..cage.n_faces() {
+            // One missing corner leaves the whole face without texture coordinates: the rules need
+            // all of its corners.
             let face_rows = &mut rows[cage.sizes.range(face)];
             if face_rows.contains(&CornerTexcoords::NONE) {
                 face_rows.fill(CornerTexcoords::NONE);

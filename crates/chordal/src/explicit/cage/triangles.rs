@@ -33,6 +33,7 @@ impl TriangleTopology {
     pub fn new(corners: &[u32], n_vertices: usize, edges: CageEdges, around: VertexIncidence) -> Self {
         let mut sides = vec![[NONE; 2]; edges.ends.len()];
         for (side, edge) in edges.of_corner.iter().enumerate() {
+            // Only two sides are kept; an edge with more faces is sharp.
             let edge_sides = &mut sides[*edge as usize];
             let slot = usize::from(edge_sides[0] != NONE);
             if edge_sides[slot] == NONE {
@@ -110,6 +111,10 @@ impl TriangleTopology {
             for row in 0..n {
                 fill(row + 1, &mut high);
                 let (row_corners, remaining) = out.split_at_mut(3 * (2 * (n - row) - 1));
+                //      high[c] ── high[c+1]       A row has one inverted triangle less than upright ones.
+                //       ╱  ╲      ╱
+                //      ╱    ╲    ╱
+                //   low[c] ── low[c+1]
                 for (c, out) in row_corners.chunks_mut(6).enumerate() {
                     out[..3].copy_from_slice(&[low[c], low[c + 1], high[c]]);
                     if out.len() == 6 {
@@ -207,6 +212,8 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
             }
             let [a, b] = &beside;
             for (index, out) in out.iter_mut().enumerate() {
+                // Even numbers are midpoints, after old point i; odd ones are old points, which
+                // move.
                 let i = index / 2 + index % 2;
                 // An edge without two sides is sharp along its entire length.
                 let share = match along {
@@ -284,6 +291,8 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
             for y in 1..2 * n - 1 {
                 let (row_points, remaining) = out.split_at_mut(2 * n - 1 - y);
                 out = remaining;
+                // Rows of the result: odd ones lie between two old rows, even ones on one. Three
+                // old rows are enough at a time.
                 if y % 2 == 0 {
                     std::mem::swap(below, low);
                     std::mem::swap(low, high);

@@ -108,6 +108,7 @@ impl RuleBlend {
         }
         let remains = |(edge, sharp): (u32, f64)| (remaining(sharp) > 0.0).then_some(edge);
         let after = rule(decrement_sharpness(sharpness), edges.clone().filter_map(remains));
+        // The same rule before and after this round leaves nothing to blend.
         if after == before {
             return Self { share: 1.0, rules: [before; 2] };
         }

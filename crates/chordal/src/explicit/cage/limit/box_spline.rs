@@ -120,6 +120,7 @@ impl FaceOneRing {
         let around = parts.incidence.edges(vertex as usize);
         let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
         let is_cut = |edge: u32| sharpness(edge) >= INFINITELY_SHARP;
+        // A sharpness that ends after some rounds makes the surface piecewise.
         let ends = |x: f64| x > 0.0 && x < INFINITELY_SHARP;
         if ends(vertex_sharpness) || around.iter().any(|edge| ends(sharpness(*edge))) {
             return None;
@@ -149,6 +150,7 @@ impl FaceOneRing {
             }
             face = next(face, edge)?;
             let (edges, neighbours) = sides(face)?;
+            // The neighbour runs along the edge in the same direction: not one orientation.
             if edges[0] != edge {
                 return None;
             }
@@ -183,6 +185,7 @@ impl FaceOneRing {
         }
         let here = at(vertex);
         let is_corner = vertex_sharpness >= INFINITELY_SHARP || n_cut > 2;
+        // Counted from the cut at which the ring starts.
         let point = |k: usize| ring[(k + 6 - first) % 6];
         // Completes a parallelogram, or reflects in the vertex.
         let mirror = |a: CagePoint, b: CagePoint| [0, 1, 2].map(|k| (here[k] + a[k]) - b[k]);

@@ -101,12 +101,15 @@ impl FaceOneRing {
             };
             let (back, forth) = (continuation(before, 1), continuation(k, 0));
             match (is_cut[k], is_cut[before]) {
+                // Two cut sides: the points beyond are reflected in both lines, which is right at a
+                // fixed corner alone.
                 (true, true) => {
                     let n_infinite = around.iter().filter(|e| sharpness(**e) >= INFINITELY_SHARP).count();
                     if vertex_sharpness < INFINITELY_SHARP && n_infinite < 3 {
                         return None;
                     }
                 }
+                // A regular vertex, where finite lines go straight on.
                 (false, false) => {
                     let (back, forth) = (back?, forth?);
                     let faces = parts.incidence.faces(vertex[k] as usize);
@@ -124,6 +127,7 @@ impl FaceOneRing {
                     let corner = opposite(face, vertex[k])?;
                     corners[k] = cage.positions[corner as usize];
                 }
+                // One line passes the corner, from one side of the face on.
                 (is_cut_here, _) => {
                     let (onward, other) = if is_cut_here { (back?, line[before]) } else { (forth?, line[k]) };
                     let sharp = if is_cut_here { edge[k] } else { edge[before] };
@@ -139,6 +143,11 @@ impl FaceOneRing {
                 }
             }
         }
+        //    p[3][0]   p[3][1]    p[3][2]   p[3][3]
+        //    p[2][0]    v3 ──[2]── v2       p[2][3]     v0 … v3: the corners of the face
+        //                [3]       [1]                  [0] … [3]: its sides
+        //    p[1][0]    v0 ──[0]── v1       p[1][3]
+        //    p[0][0]   p[0][1]    p[0][2]   p[0][3]
         let at = |vertex: u32| cage.positions.get(vertex as usize).copied().unwrap_or_default();
         let mut p = [[[0.0; 3]; 4]; 4];
         ([p[1][1], p[1][2], p[2][2], p[2][1]], [p[0][0], p[0][3], p[3][3], p[3][0]]) =
