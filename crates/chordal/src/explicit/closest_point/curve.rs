@@ -202,6 +202,7 @@ fn search<const D: usize>(
         let factors = factors[part.rows.points.degree()].as_ref();
         factors.map_or(0.0, |factors| distance_down(&part.rows, factors, scale))
     };
+    // The heap gives the largest, and the nearest part is wanted.
     for part in parts {
         open.push(PriorityItem { bound: -bound(&part), item: part });
     }

@@ -143,6 +143,8 @@ impl OffsetPatch {
         [0, 1].map(|half| {
             let control: [[DVec3; 4]; 4] = rows.map(|row| row[half]);
             let control = if axis == 0 { control } else { turned(&control) };
+            // The point found for the whole starts the search in the half that holds it; the other
+            // half starts at its control points.
             let mut at = closest.at;
             at[axis] = 2.0 * at[axis] - half as f64;
             let guess = (at[axis] >= 0.0 && at[axis] <= 1.0).then_some(at);
@@ -335,9 +337,12 @@ impl OffsetJet {
     fn step(&self, at: [f64; 2]) -> Option<[f64; 2]> {
         let [a, b] = self.first;
         let slope = [self.point.dot(a), self.point.dot(b)];
+        // A parameter at its limit is not free if the distance falls only beyond it.
         let is_free =
             |k: usize| !(slope[k] == 0.0 || at[k] <= 0.0 && slope[k] > 0.0 || at[k] >= 1.0 && slope[k] < 0.0);
         let flat = [a.dot(a), a.dot(b), b.dot(b)];
+        // Newton's second derivatives; without the part that depends on the bending (Gauss and
+        // Newton) they are never negative, and serve where the full ones do not lead downhill.
         let full: [f64; 3] = std::array::from_fn(|k| flat[k] + self.point.dot(self.second[k]));
         let alone = |k: usize| {
             let (full, flat) = (full[2 * k], flat[2 * k]);

@@ -83,6 +83,8 @@ impl<'t> SurfaceSearch<'t> {
                 return Some((self.best, lesser(down, self.best.up)));
             }
             looked += match item {
+                // Candidates come nearest first, so nothing that is still open is nearer than this
+                // one, whose bounds have met.
                 SurfaceCandidate::Settled => return Some((self.best, lesser(down, self.best.up))),
                 SurfaceCandidate::Node(node) => {
                     self.expand_node(node, down);
@@ -148,6 +150,7 @@ impl<'t> SurfaceSearch<'t> {
             self.push(lower, SurfaceCandidate::Settled);
             return;
         }
+        // Farther than a point that is known.
         if lower > self.best.up {
             return;
         }
@@ -196,6 +199,8 @@ impl<'t> SurfaceSearch<'t> {
                 let error =
                     self.tree.local_error(2.0 * extraordinary.ring().rounding()) + 2.0 * f64::EPSILON * size;
                 let middle = hull.iter().fold(DVec3::ZERO, |sum, p| sum + *p) / hull.len() as f64;
+                // Towards the middle of the hull, and towards the nearest point so far: either
+                // plane may separate better.
                 let by_plane = greater(
                     hull_plane_bound(&hull, middle, size),
                     hull_plane_bound(&hull, self.best.point, size),

@@ -65,6 +65,7 @@ pub(crate) fn arrange(contours: &[GridContour], job: &Job) -> Result<Vec<GridEdg
                 chain.push(cell);
             }
         });
+        // The tree reports cells in its own order.
         chain.sort_unstable_by_key(|cell| along([*a, *b], *cell));
         edges.extend(chain.windows(2).map(|pair| directed([pair[0], pair[1]], sides[i].winding)));
     }

@@ -108,6 +108,7 @@ impl GridBoxTree {
             }
             match (self.is_leaf(a), self.is_leaf(b)) {
                 (false, _) if a.node == b.node => {
+                    // A node against itself: each pair of halves once.
                     let [l, h] = Self::halves(a);
                     open.extend([(l, l), (l, h), (h, h)]);
                 }

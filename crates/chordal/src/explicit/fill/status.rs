@@ -30,6 +30,7 @@ impl SweepStatus {
         let block = self.blocks.partition_point(|block| is_below(&block[0])).saturating_sub(1);
         let row = self.blocks.get(block).map_or(0, |rows| rows.partition_point(is_below));
         let mut position = StatusPosition { block, row };
+        // The edges on the point follow each other, but may go on in the next block.
         loop {
             position = self.settled(position);
             let Some(rows) = self.blocks.get_mut(position.block) else { break };

@@ -28,6 +28,8 @@ impl Kernel for AngleSumKernel<'_> {
         for first in self.faces.step_by(BLOCK) {
             let n = block.load(self.mesh, first);
             terms.fill(&block);
+            // Lane after lane, in the order of the faces: the sums are those of the plain version,
+            // to the bit.
             for lane in 0..n {
                 let face = first + lane;
                 let products = if terms.is_clear[lane] && self.scale == 1.0 {

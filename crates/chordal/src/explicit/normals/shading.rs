@@ -136,6 +136,8 @@ fn creased(
             && h < t
             && is_soft(h / 3, t / 3)
         {
+            // A half-edge stands for the corner at its start. Across the edge, h and the one after
+            // t start at one end, t and the one after h at the other.
             sets.union(h, next_in_face(t));
             sets.union(next_in_face(h), t);
         }
@@ -154,6 +156,7 @@ fn creased(
     let mut normals = Vec::with_capacity(3 * rows.source.len());
     for (&source, &fan) in rows.source.iter().zip(&rows.fan) {
         let mut normal = if fan == NO_FAN { [0.0; 3] } else { unit_or_zero(sums[fan as usize]) };
+        // Computed only if a fan needs it.
         if normal == [0.0; 3] {
             let position_normals = position_normals.get_or_insert_with(|| position_sums(mesh, &id, weight));
             normal = unit_or_zero(position_normals[id(source) as usize]);

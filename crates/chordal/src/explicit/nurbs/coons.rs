@@ -155,6 +155,8 @@ fn rational(
     let (p, q) = (degree(&of_u), degree(&of_v));
     let knots = [full_knots(c[0].knots(), p)?, full_knots(d[0].knots(), q)?];
     let (n, m) = (of_u.len() * p + 1, of_v.len() * q + 1);
+    // Neighbouring pieces share a control point, which counts as the first of the later one; the
+    // last of all has none later.
     let place = |k: usize, degree: usize, pieces: usize| {
         let piece = (k / degree).min(pieces - 1);
         (piece, k - piece * degree)

@@ -60,6 +60,7 @@ impl<const D: usize> NurbsCurve<D> {
 fn raised<const D: usize>(rows: &SplineRows<D>) -> SplineRows<D> {
     let q = rows.degree + 1;
     let mut knots = Vec::new();
+    // Each knot once more: the smoothness there stays what it was.
     for same in rows.knots.chunk_by(|a, b| a == b) {
         knots.extend(same);
         knots.push(same[0]);

@@ -177,6 +177,8 @@ impl<const D: usize> EnclosedPiece<D> {
         let centre: [Interval; D] = seen_from(origin, arc.centre());
         let one = Interval::point(1.0);
         let corner = Interval::cos(Interval::point(arc.sweep_rad()) * Interval::point(0.5 / f64::from(n)));
+        // The middle control point is 1/cos of the half angle away. Times its weight, which is that
+        // cosine, it is the direction itself, so nothing is divided.
         let point = |share: f64, weight: Interval| -> [Interval; D] {
             let out = towards(angle(part(share)));
             std::array::from_fn(|c| weight * centre[c] + out[c])

@@ -97,6 +97,7 @@ pub(super) fn solved<const D: usize>(
                 row[column] = *value;
             }
         }
+        // Only the p rows above reach into this one.
         for j in i.saturating_sub(p)..i {
             let factor = row[j + p - i] / rows[j][p];
             if factor != 0.0 {

@@ -67,6 +67,8 @@ impl NurbsSurface {
         for i in 0..width {
             let right: Vec<[f64; 4]> = rows.iter().map(|row| row[i]).collect();
             let mut column = across.solve(&right)?;
+            // Equal weights stay equal: those that the solver rounds apart would make a polynomial
+            // surface rational.
             if right.iter().all(|x| x[3] == right[0][3]) {
                 column.iter_mut().for_each(|x| x[3] = right[0][3]);
             }

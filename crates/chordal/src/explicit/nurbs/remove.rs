@@ -147,6 +147,7 @@ impl<'a, const D: usize> KnotRemoval<'a, D> {
         let diagonal = diagonal_up(control);
         for i in 0..self.curve.control().len() {
             let old = self.curve.control()[i];
+            // There is one point less from here on.
             let same = if i < self.first { i } else { i - 1 };
             let is_mean = self.first <= i && i <= self.last;
             let (point, new_weight): ([Interval; D], Interval) = if is_mean {

@@ -114,6 +114,7 @@ impl Blockers {
             for &item in &self.items[low as usize..high as usize] {
                 *work = work.saturating_sub(1);
                 let p = points[item as usize];
+                // A corner that was removed has no leaf.
                 if self.leaf_of[item as usize] != NONE && !apart([p, p], bounds) && blocks(item) {
                     return true;
                 }

@@ -92,6 +92,8 @@ impl EarClipper {
                 if turn == 0.0 && self.is_spike(points, *corner) {
                     spikes.push(QueuedEar { corner: *corner, version: 0 });
                 }
+                // If any corner of the polygon lies in a triangle of three consecutive ones, one
+                // that is not convex does too, so convex corners need not be in the tree.
                 turn <= 0.0
             }),
         );
@@ -125,6 +127,8 @@ impl EarClipper {
                 return entry.corner;
             }
         }
+        // From here on strict ears alone do not suffice. All corners are queued for the other rules
+        // once, and later ones as they change.
         if !self.stuck {
             self.stuck = true;
             for corner in 0..points.len() as u32 {
@@ -202,6 +206,8 @@ impl EarClipper {
         for corner in [a, c] {
             self.version[corner as usize] += 1;
             let turn = self.turn_at(points, corner);
+            // Now convex, so it blocks no more. Corners never become less convex while ears are cut
+            // off.
             if turn > 0.0 {
                 self.blockers.remove(corner);
             }

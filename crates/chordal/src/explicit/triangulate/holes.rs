@@ -487,6 +487,7 @@ fn triangulate_exactly(
     .flatten()
     .collect();
     let is_clean = repairs.is_empty();
+    // n + 2h − 2, where `ends` counts the outer contour too.
     if is_clean && swept.triangles.len() + 4 != n_corners + 2 * ends.len()
         || !areas_agree(&sites.points, &swept.triangles, &swept.border)
     {

@@ -62,6 +62,7 @@ impl FaceOneRing {
             .collect();
         let mut faces: Vec<u32> = Vec::with_capacity(16);
         // If a vertex has some of the faces beyond a cut because of another vertex, it needs all of them.
+        // Lists only grow, so this ends.
         loop {
             faces.clear();
             sectors.iter().for_each(|sector| faces.extend_from_slice(&sector.faces));
@@ -94,6 +95,7 @@ impl FaceOneRing {
         vertices.dedup();
         let local = |vertex: u32| vertices.partition_point(|v| *v < vertex) as u32;
         let mut corners: Vec<u32> = Vec::with_capacity(4 * faces.len() + middle.len());
+        // The face itself comes first, with the corner that its parameters start from.
         corners.extend((0..middle.len()).map(|k| local(middle[(k + turn) % middle.len()])));
         let mut ends = vec![corners.len() as u32];
         let mut classes: Vec<u32> = Vec::new();
@@ -118,6 +120,7 @@ impl FaceOneRing {
             corners.extend(cage.face(index as usize).iter().map(|v| local(*v)));
             ends.push(corners.len() as u32);
         }
+        // An edge is listed by each of its faces.
         creases.sort_by_key(|(ends, _)| *ends);
         creases.dedup_by_key(|(ends, _)| *ends);
         let mut sharp_vertices: Vec<_> = sharp_vertices.into_iter().map(|(v, s)| (local(v), s)).collect();
@@ -156,6 +159,8 @@ impl FaceOneRing {
         let round = (4 * longest + 4 * n + 16) as f64 * f64::EPSILON * self.size();
         let is_loop = self.cage.scheme == Scheme::Loop;
         let n_parts = if is_loop { 4 } else { n };
+        // A part has the vertex of the cage as its first corner; turned back, all parts have their
+        // sides in the directions of the whole.
         let turn = |part: usize| match (is_loop, n) {
             (true, _) => [0, 2, 1, 1][part],
             (_, 4) => (4 - part) % 4,
@@ -239,6 +244,8 @@ impl CreaseSector {
         if n_infinite == 0 {
             return Self { faces: all_faces(), sharpness: vertex_sharpness };
         }
+        // The faces that are reached around the vertex without crossing a line that stays sharp.
+        // The list is also the queue.
         let mut faces = vec![face];
         let mut next = 0;
         while next < faces.len() {

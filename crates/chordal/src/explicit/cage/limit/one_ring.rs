@@ -119,6 +119,7 @@ impl OneRing {
             }
             fan.edges.push(at(after));
             fan.faces.push(at(corner));
+            // The only cut of a dart ends inside the surface, so the walk passes it and closes.
             if is_cut(last) && !is_dart {
                 fan.edges.push(at(before));
                 let seam = || seam(first.map(|first| [first, last])).unwrap_or(VertexKind::Crease);

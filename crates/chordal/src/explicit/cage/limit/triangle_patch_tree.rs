@@ -85,6 +85,8 @@ impl ExtraordinaryTriangle {
     pub(crate) fn at(&self, mut u: f64, mut v: f64) -> Result<Jet, InvalidCage> {
         let (mut extraordinary, mut scale) = (self, 1.0);
         for _ in 0..MOST_ROUNDS {
+            // Only exactly at a corner: anywhere else a finite number of quarters leads to a
+            // polynomial, or to rounding.
             if let Some(corner) = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].iter().position(|at| *at == (u, v)) {
                 return vertex_jet(&extraordinary.ring, corner);
             }
@@ -95,6 +97,7 @@ impl ExtraordinaryTriangle {
                 2 => (u, v) = (2.0 * u, 2.0 * v - 1.0),
                 _ => (u, v) = (1.0 - 2.0 * u, 1.0 - 2.0 * v),
             }
+            // The central quarter is turned by half a turn, which reverses both parameters.
             scale *= if quarter == 3 { -2.0 } else { 2.0 };
             match &extraordinary.quarters()?[quarter] {
                 TrianglePatchTree::Regular(polynomial) => return Ok(polynomial.at([u, v], scale)),
