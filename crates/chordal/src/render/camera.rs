@@ -47,6 +47,7 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     let above = right.cross(forward);
     let tan_y = libm::tan(FOV_Y_DEG.to_radians() / 2.0) * FILL;
     let tan_x = tan_y * f64::from(screen.width_px) / f64::from(screen.height_px.max(1));
+    // Any point near the mesh: differences from it keep their digits far from the origin.
     let centre = used().next().unwrap_or(DVec3::ZERO);
     // A point p at depth d is inside if |p·right| ≤ tan·d. In the eye's coordinates these are four
     // half-planes, each pushed out by one point. Opposite ones meet at the nearest eye for that axis; the
@@ -58,6 +59,12 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
         [1.0, -1.0].map(|sign| farthest(&|p| sign * axis.dot(p) - tan * forward.dot(p)))
     };
     let (x, y) = (ends(right, tan_x), ends(above, tan_y));
+    //           ╲             ╱          The two planes that touch the points from both sides meet in the
+    //            ╲   · · ·   ╱          eye that is as near as this axis permits.
+    //             ╲ · · · · ╱
+    //              ╲       ╱
+    //               ╲     ╱
+    //                 eye
     let depth = [(x, tan_x), (y, tan_y)].map(|([a, b], tan)| -(a + b) / (2.0 * tan));
     let depth = lesser(depth[0], depth[1]);
     let middle = |[a, b]: [f64; 2]| 0.5 * (a - b);
@@ -102,6 +109,7 @@ impl RayGenerator {
         let [right, up, forward] = camera.axes()?.map(DVec3::from);
         let eye = DVec3::from(camera.eye);
         let (width, height) = (f64::from(camera.screen.width_px), f64::from(camera.screen.height_px));
+        // From the middle to the upper left corner of the picture, where rows and columns start.
         let corner = |by: [DVec3; 2]| -(by[0] * (0.5 * width) + by[1] * (0.5 * height));
         let zero = [DVec3::ZERO; 2];
         let near = camera.near;

@@ -52,6 +52,7 @@ pub fn render_comb(paths: &[Curve<2>], options: &RenderOptions, job: &Job) -> Re
     let refused = |message: &str| JobError::Refused(Refusal::new(RefusalCode::Empty, message));
     // 1. The same scale for all paths.
     let teeth = |scale: f64| paths.iter().flat_map(move |path| curvature_comb(path, TEETH, scale));
+    // Once at scale 1 for the largest curvature, then at the scale that follows from it.
     let most = teeth(1.0).flatten().fold(0.0, |most, tooth| greater(tooth.curvature.abs(), most));
     if most == 0.0 {
         return Err(refused("no path bends, so that a curvature comb has no teeth"));
@@ -82,6 +83,7 @@ pub fn render_comb(paths: &[Curve<2>], options: &RenderOptions, job: &Job) -> Re
     let [path_width, tip_width, tooth_width] = WIDTHS.map(|width| width * pixel);
     let mut strips = Strips::default();
     for piece in paths.iter().flat_map(Curve::segments) {
+        // Steps end at teeth, so that these stand on the drawn line.
         let n = TEETH * STEPS;
         let points: Vec<[f64; 2]> = (0..=n).map(|i| piece.at(i as f64 / n as f64)).collect();
         points.windows(2).for_each(|pair| strips.add([pair[0], pair[1]], path_width));

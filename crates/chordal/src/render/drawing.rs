@@ -36,6 +36,7 @@ pub(super) fn draw(
     };
     let eye = ray_generator(&camera, options, job)?;
     let straight = matches!(camera.projection, Projection::Orthographic { .. });
+    // With parallel rays all directions are equal, so one ray tells.
     let level = |at: [f64; 2]| {
         let d = eye.ray(at).direction;
         d[0] == 0.0 && d[1] == 0.0
@@ -124,6 +125,7 @@ impl DrawingRenderer<'_> {
         let (range, shorter) = tape.prune(&bounds)?;
         match certain_side(&range) {
             Some(false) => return Ok(()),
+            // Normals are shown per pixel, so a tile of the inside cannot be filled with one value.
             Some(true) if self.options.show != RenderStyle::Normals => {
                 for_each_pixel(tile, inked.first, |k| inked.cover[k] = 1.0);
                 inked.counts.hits += u64::from(tile.size[0] * tile.size[1]);
@@ -131,6 +133,7 @@ impl DrawingRenderer<'_> {
             }
             _ => {}
         }
+        // Below, the shorter expression is enough: it is equal on the whole tile.
         let tape = shorter.as_ref().unwrap_or(tape);
         if tile.size[0] <= LAST && tile.size[1] <= LAST {
             return self.pixels(tape, tile, inked);

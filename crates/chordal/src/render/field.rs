@@ -261,6 +261,8 @@ impl FieldSurface<'_> {
             CullMode::Back => false,
             CullMode::Front => true,
         };
+        // A culled hit lets the ray go on behind it, as often as needed. The parameter is in
+        // lengths of the direction.
         loop {
             let again: Vec<usize> = (0..records.len())
                 .filter(|k| records[*k].hit.is_some_and(|met| met.entering == culled))
@@ -290,6 +292,8 @@ impl FieldSurface<'_> {
     ) -> Result<Vec<Option<ShadingPoint>>, LeafError> {
         let points: Vec<[f64; 3]> =
             records.iter().filter_map(|record| record.hit.map(|met| met.point)).collect();
+        // One for each hit, in the order of the records, so that `next` below belongs to its
+        // record.
         let mut normals = self.tracer.normals(&points)?.into_iter();
         let spot = |(beam, record): (&Beam, &BeamRecord)| {
             let met = record.hit?;

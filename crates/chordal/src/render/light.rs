@@ -151,6 +151,8 @@ impl StudioLights {
         for [x, y] in lamp {
             let direction = self.lamp + (self.lamp_axes[0] * x + self.lamp_axes[1] * y) * LAMP_RADIUS;
             let light = point.normal.dot(direction);
+            // A point of the lamp behind the smooth surface gives no light and counts on neither
+            // side, so that the share is 1 where nothing is in the way.
             if light > 0.0 {
                 sum.open += light;
                 if direction.dot(point.flat) > 0.0 && !shadows.is_occluded(point.origin, direction) {

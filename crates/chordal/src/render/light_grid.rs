@@ -97,6 +97,8 @@ impl LightGrid {
             }
             needed.sort_unstable();
             needed.dedup();
+            // Neighbouring cells share corners, and small cells those of the larger ones: each is
+            // traced once.
             needed.retain(|k| grid.shares[*k].is_none() && !matches!(seen[*k], SeenPoint::Nothing));
             let traced = shares_at(source, pixels, &needed, detail)?;
             for (k, shares) in needed.into_iter().zip(traced) {
@@ -132,6 +134,7 @@ impl LightGrid {
         if !even && n > SMALL {
             return false;
         }
+        // Where nothing is seen, no light is needed.
         if even && matches!(seen[corners[0]], SeenPoint::Nothing) {
             return true;
         }
@@ -140,6 +143,7 @@ impl LightGrid {
         if even && spread(&at_corners) > range {
             return false;
         }
+        // What is filled here stays; the quarters of the cell fill only the rest.
         let mut is_filled = true;
         for [i, j] in (0..n).flat_map(|j| (0..n).map(move |i| [i, j])) {
             let k = frame.index([cell.at[0] + i, cell.at[1] + j]);

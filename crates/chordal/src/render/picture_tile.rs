@@ -70,6 +70,8 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         // 1. The points that the middles of the pixels see, and the edges between them.
         let frame = TileFrame {
             first: tile.at.map(|k| i64::from(k) - 1),
+            // A multiple of the largest cells, so that every cell is whole, and one pixel more on
+            // each side for neighbours.
             size: tile.size.map(|n| (n as usize).next_multiple_of(CELL) + 2),
         };
         let rays: Vec<Ray> = (0..frame.len()).map(|k| self.middle_ray(frame.pixel(k))).collect();
@@ -157,6 +159,8 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         let mut edge = vec![false; frame.len()];
         for [i, j] in (1..h - 1).flat_map(|j| (1..w - 1).map(move |i| [i, j])) {
             let k = frame.index([i, j]);
+            // Both sides of an edge get all their rays: which of them has it in its middle ray is
+            // chance.
             let around = [k - w - 1, k - w, k - w + 1, k - 1, k, k + 1, k + w - 1, k + w, k + w + 1];
             edge[k] = around.iter().any(|n| lined[*n] || !seen[k].is_one_with(&seen[*n]));
         }
@@ -239,10 +243,12 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
                 offsets.iter().map(|[dx, dy]| self.eye.ray([f64::from(*x) + dx, f64::from(*y) + dy]))
             })
             .collect();
+        // Uncertain rays have done their part in choosing these pixels.
         let (seen, _) = self.see(&rays, counts)?;
         let interpolated = |s: usize| {
             let (column, row) = (fine[s / n].0 % pixels.frame.size[0], fine[s / n].0 / pixels.frame.size[0]);
             let [dx, dy] = offsets[s % n];
+            // Light is known at the middles of pixels, which are half a pixel from their corners.
             light.at([column as f64 + dx - 0.5, row as f64 + dy - 0.5], &seen[s], pixels)
         };
         let mut shares: Vec<Option<LightShares>> = (0..seen.len()).map(interpolated).collect();

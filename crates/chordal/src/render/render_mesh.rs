@@ -95,6 +95,8 @@ impl<'a> RenderMesh<'a> {
         };
         if let Some(normals) = self.normals.corners(self.mesh, face) {
             let sum = normals[0] * w[0] + normals[1] * w[1] + normals[2] * w[2];
+            // Seen from the back, the surface is shaded by its opposite normals. Given normals may
+            // also be on the wrong side of the triangle.
             let side = if sum.dot(flat) < 0.0 { -1.0 } else { 1.0 };
             let normal = (sum * side).normalize_or_zero();
             // If the normals have length 0, or are not finite, the triangle's normal is used.

@@ -62,11 +62,15 @@ impl SamplePattern {
         let even = |n: usize, i: usize| (i as f64 + 0.5) / n as f64;
         let circle = |u: f64| [libm::cos(std::f64::consts::TAU * u), libm::sin(std::f64::consts::TAU * u)];
         let disc = |n: usize, i: usize| {
+            // The root makes rings of equal area, so points are as dense at the rim as in the
+            // middle.
             let radius = even(n, i).sqrt();
             circle(fraction(0.5 + i as f64 * GOLDEN)).map(|x| x * radius)
         };
         let hemisphere = |n: usize, i: usize| {
             let [x, y] = disc(n, i);
+            // Points of a disc lifted onto the hemisphere are as dense as the cosine of their
+            // angle, which is the weight that light from there has.
             [x, y, (1.0 - even(n, i)).sqrt()]
         };
         let light = |n: usize| LightPattern {

@@ -55,6 +55,8 @@ impl SeenPoint {
             (Self::Nothing, Self::Nothing) | (Self::Ground(_), Self::Ground(_)) => true,
             (Self::Surface(a), Self::Surface(b)) => {
                 let d = b.at - a.at;
+                // Two parallel walls behind each other have equal normals; the line between their
+                // points is not along them.
                 let most_sq = SAME_SIN * SAME_SIN * d.length_squared();
                 let [from_a, from_b] = [d.dot(a.normal), d.dot(b.normal)];
                 a.front == b.front
