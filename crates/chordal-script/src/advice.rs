@@ -15,6 +15,7 @@ pub(crate) fn with_advice(error: ScriptError) -> ScriptError {
 /// Why a script has no value: the end of the sentence "the script's value must be a shape, but it is None:
 /// …".
 pub(crate) fn why_nothing(text: &str) -> String {
+    // The last statement that is not indented: the value of a script is that of its last line.
     let last = text.lines().rfind(|line| starts_statement(line)).unwrap_or("");
     let word: String = last.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
     let rest = last[word.len()..].trim_start();

@@ -48,6 +48,7 @@ fn extremum<'v>(
     };
     let mut best = *first;
     for value in rest {
+        // Only strictly better ones, so that the first of equal values is returned, as in Python.
         if order(*value, best, eval)? == wanted {
             best = *value;
         }
@@ -121,6 +122,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let value = meter.set.get(name).copied().unwrap_or(default);
         let mut parameters = meter.parameters.borrow_mut();
         match parameters.iter().find(|parameter| parameter.name == name) {
+            // By bits: 0 and −0 are two defaults.
             Some(earlier) if earlier.default.to_bits() != default.to_bits() => {
                 let message =
                     format!("parameter '{name}' has two defaults, {} and {default}", earlier.default);
@@ -370,7 +372,10 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             return Err(fault(CallError("range() needs a step other than 0".to_owned())));
         }
         let (span, stride) = (i64::from(end) - i64::from(start), i64::from(step));
+        // In 64 bits, in which no difference of two 32-bit numbers overflows. A step away from the
+        // end gives no numbers, as in Python.
         let count = if span.signum() == stride.signum() { (span.abs() - 1) / stride.abs() + 1 } else { 0 };
+        // Before the list is made: its length is known.
         Meter::charge(eval, usize::try_from(count).unwrap_or(usize::MAX))?;
         let numbers = (0..count).map(|k| i64::from(start) + k * stride);
         Ok(eval.heap().alloc(AllocList(numbers)))
@@ -397,6 +402,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
         let values = iterate(values, eval)?;
+        // A pair and its two entries, and the entry of the list.
         Meter::charge(eval, 4 * values.len())?;
         let pairs = values.into_iter().enumerate().map(|(k, value)| (k as i32, value));
         Ok(eval.heap().alloc(AllocList(pairs)))

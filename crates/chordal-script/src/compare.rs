@@ -73,6 +73,7 @@ pub(crate) fn contains<'v>(
     }
     if let Some(entries) = DictRef::from_value(list) {
         Meter::charge(eval, 1 + value.unpack_str().map_or(0, str::len))?;
+        // Any other value has no hash, or one that takes long to compute.
         return Ok(is_key(value) && entries.get(value)?.is_some());
     }
     let Some(list) = elements(list) else {

@@ -39,6 +39,7 @@ pub(crate) fn parse(
         );
     }
     let text = text.as_str();
+    // Before the parser, which recurses for every level.
     nesting::check(text, limits.nesting)?;
     let dialect = Dialect {
         enable_def: true,
@@ -86,8 +87,11 @@ pub(crate) fn parse(
         }
     }
     let source = plain.with_changes(changes);
+    // The tree cannot be changed in place, so the changed text is parsed again.
     let mut module = if source.is_changed() { parsed(&source)? } else { module };
     if source.is_changed() {
+        // A string or comment that our scan reads differently from the parser would leave calls
+        // unmetered; that is refused here.
         check_rewritten(&module, &source)?;
     }
     // The order of the map does not matter: it is only looked up. No name of a script can be an operator.
@@ -220,10 +224,12 @@ fn expression(expr: &AstExpr, scan: &mut ProgramScan) {
         if let ExprP::Lambda(lambda) = &expr.node {
             parameters(&lambda.params, scan);
         }
+        // Calls of attributes are those of append() alone, which needs no check of the callee.
         if let ExprP::Call(function, _) = &expr.node
             && !matches!(function.node, ExprP::Dot(..))
         {
             scan.calls.push((function.span, CALLED));
+            // In the second pass every call must have been wrapped, except those of the wrappers.
             let names = [CALLED, INDEX, KEY, LAST_OPERAND];
             if !names.iter().any(|name| is_named(function, name)) && !is_call_of(function, CALLED) {
                 scan.unmetered.get_or_insert(function.span);

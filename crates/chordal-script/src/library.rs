@@ -41,6 +41,7 @@ impl Library {
         for (path, span) in loads {
             let error = |code, why: String| program.source.error(code, why, span).of_file(name);
             check_name(&path).map_err(|why| error("script-file", why))?;
+            // Added already, through another file: a file is evaluated once.
             if self.programs.iter().any(|(loaded, _)| *loaded == path) {
                 continue;
             }

@@ -112,6 +112,8 @@ impl<'e> Meter<'e> {
         }
         // The most bytes of an element, in a list that grows by doubling.
         const BYTES: usize = 16;
+        // With the elements that are about to be created: the interpreter itself notices them only
+        // afterwards.
         let heap = eval.heap().peak_allocated_bytes().saturating_add(elements.saturating_mul(BYTES));
         if heap > Self::from_eval(eval).limits.heap {
             return Err(heap_exceeded(&Self::from_eval(eval).limits));

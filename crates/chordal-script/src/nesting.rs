@@ -59,11 +59,13 @@ fn token(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
             scan.count();
             scan.open.push(0);
         }
+        // An unpaired bracket is left to the parser, which reports it.
         b')' | b']' | b'}' if scan.open.len() > 1 => {
             scan.reset();
             scan.open.pop();
         }
         b',' | b';' => scan.reset(),
+        // Inside brackets a line end means nothing.
         b'\n' | b'\r' if scan.open.len() == 1 => {
             scan.reset();
             return indentation(bytes, at + 1, scan);
@@ -71,7 +73,9 @@ fn token(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
         b if b.is_ascii_alphanumeric() || b == b'_' => {
             let end = token_end(bytes, at);
             match &bytes[at..end] {
+                // Each adds a level to the parser's tree, as operators do.
                 b"and" | b"or" | b"not" | b"in" | b"if" | b"else" | b"for" | b"lambda" => scan.count(),
+                // Each branch of a chain is nested in the one before it.
                 b"elif" => scan.branches += 1,
                 _ => {}
             }

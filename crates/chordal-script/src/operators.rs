@@ -79,12 +79,15 @@ fn apply<'v>(
         |value: Value<'v>| value.unpack_str().map(str::len).or_else(|| elements(value).map(<[_]>::len));
     match (operator, length(a), length(b)) {
         ("+", Some(left), Some(right)) if a.get_type() == b.get_type() => {
+            // Before the interpreter allocates the result, which may be as large as the limit of
+            // its heap.
             Meter::charge(eval, left.saturating_add(right))?;
             a.add(b, eval.heap())
         }
         ("*", Some(length), None) | ("*", None, Some(length)) => {
             let times = if number(a).is_some() { a.unpack_i32() } else { b.unpack_i32() };
             let Some(times) = times else { return Err(undefined_operator(operator, &arg_of(a), &arg_of(b))) };
+            // A negative number gives an empty list.
             Meter::charge(eval, length.saturating_mul(usize::try_from(times).unwrap_or(0)))?;
             a.mul(b, eval.heap())
         }

@@ -31,6 +31,7 @@ impl Parentheses {
                 }
                 _ => {}
             }
+            // Token by token: brackets in strings and comments are none.
             at = nesting::token_end(bytes, at);
         }
         partners.sort_unstable();

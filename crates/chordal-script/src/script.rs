@@ -284,6 +284,7 @@ fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, Scri
         }
         let field = field_of(shape, limits)
             .map_err(|error| ScriptError { message: format!("{name}: {}", error.message), ..error })?;
+        // Each shape may be within the limit and all of them together beyond it.
         weight = weight.saturating_add(arg_of(shape).weight());
         bodies.push(ScriptBody { name, field });
     }
@@ -330,6 +331,7 @@ fn translated(
 }
 
 fn translated_in(source: &ScriptSource, error: &starlark::Error, limits: &Limits, job: &Job) -> ScriptError {
+    // First, since a cancelled evaluation fails with an error like any other.
     if job.is_cancelled() {
         return cancelled();
     }

@@ -96,6 +96,8 @@ impl ScriptSource {
         calls: &[MeteredPart],
     ) -> Option<[TextChange; 2]> {
         let target = self.extent(target.span);
+        // Calls in the target are metered as well: it is written twice in the new text, and the
+        // copy has to be wrapped by itself.
         let first = calls.partition_point(|(part, _)| part.start < target.start);
         let inside = calls[first..].iter().take_while(|(part, _)| part.start <= target.end);
         let inside = inside.filter(|(part, _)| part.end <= target.end);

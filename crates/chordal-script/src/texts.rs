@@ -30,6 +30,7 @@ fn text_within<'v>(
     let items = list.iter().map(|item| text_within(*item, depth - 1, eval));
     let items = items.collect::<starlark::Result<Vec<_>>>()?.join(", ");
     let [open, close] = if value.get_type() == "tuple" { ["(", ")"] } else { ["[", "]"] };
+    // As in Python, where (1) is a number and (1,) a tuple.
     let comma = if value.get_type() == "tuple" && list.len() == 1 { "," } else { "" };
     Ok(format!("{open}{items}{comma}{close}"))
 }
@@ -46,6 +47,7 @@ pub(crate) fn formatted<'v>(
 ) -> starlark::Result<String> {
     let wrong = |message: &str| fault(CallError(message.to_owned()));
     Meter::charge(eval, template.len())?;
+    // A list is one value for one placeholder; only a tuple stands for several, as in Python.
     let values: Vec<Value<'v>> = match elements(values).filter(|_| values.get_type() == "tuple") {
         Some(items) => items.to_vec(),
         None => vec![values],

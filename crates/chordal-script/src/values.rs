@@ -89,6 +89,8 @@ impl<'v> StarlarkValue<'v> for StarlarkFunction {
             by_name.push((name.as_str().to_owned(), charged_arg(value, eval)?));
         }
         let meter = Meter::from_eval(eval);
+        // Only lines of the main script are shown; a place in a loaded file would be taken for one
+        // of them.
         let location = eval.call_stack_top_location().filter(|location| location.filename() == MAIN);
         let offset = location.map(|location| location.span.begin().get() as usize);
         if let Some(offset) = offset.filter(|_| self.0.moves_by_bound(&by_position, &by_name)) {

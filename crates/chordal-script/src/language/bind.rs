@@ -226,6 +226,7 @@ impl Function {
         let n_positional = self.parameters.iter().take_while(|p| !p.rest).count();
         let n_given = by_position.len();
         let mut rest = by_position;
+        // What is left in `rest` belongs to the variadic parameter.
         let mut args: Vec<Option<Arg>> = rest.drain(..n_positional.min(n_given)).map(Some).collect();
         args.resize(self.single().count(), None);
         if !rest.is_empty() && !takes_rest {

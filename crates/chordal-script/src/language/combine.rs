@@ -95,6 +95,8 @@ fn combine_all(
     let Some((first, others)) = fields.split_first() else {
         return Err(args.fault("needs at least one shape"));
     };
+    // Sharp unions are associative and are built as a balanced tree at once; a seam depends on the
+    // order and is applied from left to right.
     match seam_of(args, 0)? {
         None => args.shape_result(Ok(all_of(&fields)), &solids),
         Some(seam) => {

@@ -167,6 +167,7 @@ fn arc(args: &BoundArgs) -> Result<Arg, CallError> {
     let mut exact_ends = [start, start + angle]
         .map(quarter_turn)
         .map(|direction| direction.map(|[x, y]| [centre[0] + radius * x, centre[1] + radius * y]));
+    // Its ends are one point, bit for bit: rounded angles would leave a gap.
     if is_circle {
         exact_ends[1] = Some(exact_ends[0].unwrap_or(arc.ends()[0]));
     }
