@@ -55,6 +55,7 @@ fn drop_nonfinite(raw: &mut RawMesh, warnings: &mut Warnings) -> Result<(), Read
     }
     let keep_vertex: Vec<bool> = new_index.iter().map(|i| *i != GONE).collect();
     let keep_face: Vec<bool> = raw.faces.iter().map(|f| f.iter().all(|i| keep_vertex[*i as usize])).collect();
+    // Before the positions and faces themselves: what is kept is decided by the old rows.
     for attribute in &mut raw.attributes {
         let keep = |row: usize| match attribute.domain {
             Domain::Vertex => keep_vertex[row],
@@ -62,6 +63,7 @@ fn drop_nonfinite(raw: &mut RawMesh, warnings: &mut Warnings) -> Result<(), Read
             Domain::Face => keep_face[row],
         };
         let (width, mut at) = (attribute.width, 0);
+        // `retain` visits the numbers in order, so their row is a count.
         attribute.values.retain(|_| {
             at += 1;
             keep((at - 1) / width)
@@ -250,6 +252,8 @@ fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), Rea
         let of_position = &mut sorted[start..end as usize];
         start = end as usize;
         of_position.sort_unstable();
+        // Keys end with the orientation: equal but for the last bit are faces of opposite
+        // orientation, and sorted they are neighbours.
         for pair in of_position.windows(2) {
             same += u64::from(pair[0] == pair[1]);
             opposite += u64::from(pair[0] != pair[1] && pair[0] >> 1 == pair[1] >> 1);

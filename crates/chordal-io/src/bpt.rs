@@ -32,6 +32,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     if declared > limits.rows {
         return Err(crate::assemble::too_many_rows(words.place(), "patches", declared, limits.rows));
     }
+    // Grows as points are read: the count is the file's word.
     let mut patches = Vec::new();
     for patch in 0..declared {
         let what = || format!("the degrees of patch {patch} of {}", grouped(declared));

@@ -116,6 +116,8 @@ impl Faces {
                     );
                     (place(polygon.at), message)
                 });
+                // As many triangles as any other way would give, so that the places reserved for
+                // them are filled.
                 for (triangle, pair) in
                     self.triangles[polygon.first_triangle..].iter_mut().zip(corners[1..].windows(2))
                 {

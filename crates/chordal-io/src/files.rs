@@ -84,6 +84,8 @@ fn below(folder: &str, path: &str) -> Result<String, UriError> {
     if path.split(['/', '\\']).next().is_some_and(|first| first.contains(':')) {
         return Err(UriError::Scheme);
     }
+    // A backslash separates folders on Windows alone, so a name with one would mean different
+    // files.
     if path.contains(['\\', '\0']) || path.ends_with('/') {
         return Err(UriError::NoFile);
     }
@@ -92,11 +94,14 @@ fn below(folder: &str, path: &str) -> Result<String, UriError> {
         match segment {
             "" | "." => {}
             ".." => {
+                // Resolved as text, before any folder is opened: `..` never leaves the folder of
+                // the input.
                 segments.pop().ok_or(UriError::Above)?;
             }
             name => segments.push(name),
         }
     }
+    // A path that ends with a folder names no file, whatever is left of it.
     let last = path.rsplit('/').next().unwrap_or_default();
     if matches!(last, "" | "." | "..") || segments.is_empty() {
         return Err(UriError::NoFile);

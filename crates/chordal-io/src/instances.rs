@@ -65,6 +65,7 @@ const MOST_PLACED_ROWS: usize = 100_000_000;
 /// [`WriteError::Unsupported`] if the nodes are not a tree, or a matrix is not affine.
 pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, WriteError> {
     let mut seen = vec![false; scene.nodes.len()];
+    // Reversed, since the last item of the stack is taken first.
     let mut open: Vec<(usize, [f64; 16])> = scene.roots.iter().rev().map(|root| (*root, IDENTITY)).collect();
     let mut instances = Vec::new();
     let mut rows = 0_usize;
@@ -88,6 +89,7 @@ pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, Wri
                 ));
             }
             let name = if node.name.is_empty() { &part.name } else { &node.name };
+            // A pose has the positions in the scene already, so no transform is left to apply.
             instances.push(match poses.pose(index)? {
                 Some(pose) => {
                     let part = Cow::Owned(Part { mesh: pose.posed(&part.mesh)?, ..part.clone() });

@@ -81,6 +81,8 @@ pub fn read_greys(bytes: &[u8], limits: &Limits) -> Result<Greys, ReadError> {
     let refused = |code, message: String| ReadError::new(code, FileLocation::File, message);
     let broken = |error: ::png::DecodingError| refused("bad-picture", format!("this is no PNG: {error}"));
     let most = usize::try_from(limits.bytes.min(MOST_BYTES)).unwrap_or(usize::MAX);
+    // The decoder's own limit holds what it needs itself; the pixels are counted below, before they
+    // are allocated.
     let mut decoder = ::png::Decoder::new_with_limits(Cursor::new(bytes), ::png::Limits { bytes: most });
     decoder.set_transformations(::png::Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);

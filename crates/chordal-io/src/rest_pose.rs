@@ -216,6 +216,7 @@ impl RestPose {
         let kept = mesh.attributes().iter().filter(|own| !matches!(own.semantic, Semantic::Blended(_)));
         for own in kept {
             let rows = own.values.len() / own.width;
+            // Corners of a mirrored face change places, and their values with them.
             let source = |row: usize| match own.domain {
                 Domain::Corner => 3 * (row / 3) + order[row % 3],
                 Domain::Vertex | Domain::Face => row,

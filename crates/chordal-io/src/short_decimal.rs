@@ -18,6 +18,7 @@ pub(crate) fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
     let start = usize::from(negative);
     let (mut value, mut at) = (0_u64, start);
     while let Some(digit) = digit(text, at) {
+        // May wrap: too many digits are refused below, and up to that number nothing wraps.
         value = value.wrapping_mul(10).wrapping_add(digit);
         at += 1;
     }
@@ -32,6 +33,7 @@ pub(crate) fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
         n_digits += at - point;
         n_decimals = at - point;
     }
+    // Zeros before the number count as digits, which only leaves more to the slower method.
     if n_digits == 0 || n_digits > MOST_DIGITS || value > 1 << f64::MANTISSA_DIGITS {
         return None;
     }

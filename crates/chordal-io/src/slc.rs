@@ -192,6 +192,7 @@ impl<'a> SlcCursor<'a> {
             let end = samples.len() + x * y;
             let at = |k: usize| FileLocation::Byte((start + k) as u64);
             let mut k = 0;
+            // A length of 0 ends the slice, even before its last byte.
             while let Some(head) = runs.get(k).filter(|head| *head & LENGTH != 0) {
                 let length = usize::from(head & LENGTH);
                 // Checked before samples are stored: a byte yields at most 64 samples.

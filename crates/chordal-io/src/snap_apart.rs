@@ -115,6 +115,7 @@ fn separate_positions(
             let low = group.iter().fold(f64::INFINITY, |least, root| lesser(exact(root)[k], least));
             group.iter().fold(f64::NEG_INFINITY, |most, root| greater(exact(root)[k], most)) - low
         };
+        // Along it the exact positions differ the most, so their order there is the surest.
         let axis = (1..3).fold(0, |best, k| if spread(k) > spread(best) { k } else { best });
         let mut order = group.clone();
         order.sort_by(|a, b| exact(a)[axis].total_cmp(&exact(b)[axis]).then(a.cmp(b)));
@@ -125,10 +126,13 @@ fn separate_positions(
         for _ in 0..order.len() / 2 {
             x = x.next_down();
         }
+        // The group gives up its common place, so that one of its vertices can have it.
         taken.remove(&bits(common));
         for root in order {
             let mut place = common;
             place[axis] = f64::from(x);
+            // Another vertex may be there already; further up something is free, and the order is
+            // kept.
             while !taken.insert(bits(place)) {
                 x = x.next_up();
                 place[axis] = f64::from(x);

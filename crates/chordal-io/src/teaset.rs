@@ -38,6 +38,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         let sentence = format!("lines after the last point, {} first", show(text));
         warnings.count("trailing-text", || (FileLocation::Line(rows.line), sentence));
     }
+    // Points come after the patches, so indices can be looked up only now.
     let mut patches = with_room(rows_of_patches.len())?;
     for (line, indices) in &rows_of_patches {
         patches.push(patch(*line, indices, &points)?);

@@ -33,6 +33,7 @@ pub fn unpacked<'a>(
         return Ok(Cow::Borrowed(bytes));
     }
     let format = format.or_else(|| Format::sniff(bytes));
+    // An unknown format is treated as a mesh, the stricter kind.
     let cap = format.unwrap_or(Format::Obj).row().cap;
     let mut inflater = InflateReader::gzip(bytes, 0);
     let mut content: Vec<u8> = Vec::new();
@@ -52,11 +53,13 @@ pub fn unpacked<'a>(
             let message = format!("the part of the file read so far {}", cap.too_dense(n_read));
             return Err(ReadError::new("too-dense", inflater.place(), message));
         }
+        // By halves: doubling would ask for up to twice the limit of memory at the end.
         if content.capacity() - content.len() < n {
             let more = n.max(content.len() / 2);
             content.try_reserve_exact(more).map_err(|_| crate::grow::out_of_memory(content.len()))?;
         }
         content.extend_from_slice(&step[..n]);
+        // The inflater fills the buffer unless the stream ends.
         if n < STEP {
             break;
         }

@@ -49,6 +49,7 @@ impl SceneAssets {
                 Some(((*materials.get(old)?)?, kind))
             })
             .collect();
+        // A material with an unknown extension may name textures where we do not look.
         if !assets.materials.iter().all(names_textures_as_known) {
             return (assets, materials);
         }
@@ -56,6 +57,8 @@ impl SceneAssets {
         each_texture(&mut assets.materials, &mut |at| textures.extend(number(at)));
         let textures = renumbering(self.textures.len(), &textures);
         each_texture(&mut assets.materials, &mut |at| renumber(at, &textures));
+        // From materials to textures, then to pictures and samplers: each list is reduced to what
+        // the previous one still names.
         assets.textures = kept_items(&self.textures, &textures);
         let (mut images, mut samplers) = (BTreeSet::new(), BTreeSet::new());
         assets.textures.iter_mut().for_each(|texture| {
@@ -107,6 +110,8 @@ impl SceneAssets {
             sources_of(texture).into_iter().for_each(|at| shift(at, n_images));
             texture.get_mut("sampler").into_iter().for_each(|at| shift(at, n_samplers));
         }
+        // Variants are named once for the whole file; two lists of names cannot be joined without
+        // changing what a viewer offers.
         let has_looks = self.extensions.contains_key(VARIANTS);
         for (at, mut kind) in added.face_kinds {
             kind.material += n_materials;
@@ -174,11 +179,13 @@ impl Scene {
         }
         let mut scene = self.clone();
         scene.assets = Box::new(assets);
+        // Without materials the names of groups are renumbered all the same.
         if self.assets.materials.is_empty() {
             numbers = renumbering(n_materials, &used);
         }
         if let Some(names) = scene.groups.get_mut(MATERIAL) {
             let all = std::mem::take(names);
+            // The first name is that of faces without a material, which always stays.
             let is_kept =
                 |i: &usize| i.checked_sub(1).is_none_or(|i| numbers.get(i).is_some_and(Option::is_some));
             *names = all.into_iter().enumerate().filter(|(i, _)| is_kept(i)).map(|(_, name)| name).collect();

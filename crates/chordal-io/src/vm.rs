@@ -68,6 +68,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         ));
     };
     let mut warnings = Warnings::default();
+    // The least line, since the table has no order.
     let unused =
         || steps.iter().filter(|(other, step)| !step.used && **other != name).map(|(_, step)| step.line);
     let first = unused().min().unwrap_or(0);

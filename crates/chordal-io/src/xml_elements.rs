@@ -153,6 +153,7 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
     /// # Errors
     /// If the text is not well-formed XML, has a document type, or exceeds a limit.
     pub(crate) fn next(&mut self) -> Result<Option<XmlStep<'a, N>>, ReadError> {
+        // An element without content is reported like any other: its end follows its start.
         if std::mem::take(&mut self.ends) {
             self.finish();
             return Ok(Some(XmlStep::End));
@@ -265,6 +266,8 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
                 Err(error) => return Err(self.error("unknown-entity", reference_error(&error))),
             };
             if let Some(prefix) = name.strip_prefix("xmlns:").or((name == "xmlns").then_some("")) {
+                // A stack for each prefix: an inner binding hides the outer one until its element
+                // ends.
                 self.bound.entry(prefix).or_default().push(N::from_address(&value));
                 binds.push(prefix);
                 continue;
@@ -273,6 +276,7 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
             n_prefixed += usize::from(!prefix.is_empty());
             self.values.push(XmlValue { namespace: N::NONE, local, value });
         }
+        // Only now, since a prefix may be bound after the attribute that uses it.
         if n_prefixed > 0 {
             self.resolve_prefixes(body, n_name);
         }

@@ -54,6 +54,8 @@ impl AmfNodeBuilder<'_> {
         let objects = free(&is_object_used).into_iter().map(AmfTarget::Object);
         let roots: Vec<AmfTarget> =
             objects.chain(free(&is_used).into_iter().map(AmfTarget::Constellation)).collect();
+        // Counted before the first node is made: a few nested constellations can stand for
+        // billions.
         let total = roots.iter().fold(0_u64, |sum, root| sum.saturating_add(weight(*root, &weights)));
         if total > most {
             let most = grouped(most);
@@ -90,6 +92,8 @@ impl AmfNodeBuilder<'_> {
         let n = self.constellations.len();
         let (mut weights, mut is_open, mut is_done) = (vec![0_u64; n], vec![false; n], vec![false; n]);
         for root in 0..n {
+            // A stack of our own: nesting is as deep as the file wants. The second number is the
+            // next instance to look at.
             let mut open = vec![(root, 0)];
             while let Some((constellation, next)) = open.pop() {
                 if is_done[constellation] {
@@ -100,6 +104,7 @@ impl AmfNodeBuilder<'_> {
                 if let Some(instance) = instances.get(next) {
                     open.push((constellation, next + 1));
                     if let AmfTarget::Constellation(inner) = self.target(instance)? {
+                        // Open and not done is an ancestor on the stack.
                         if is_open[inner] && !is_done[inner] {
                             let message = format!(
                                 "the constellation {} holds itself",

@@ -149,6 +149,8 @@ impl<'a, 'w> AmfReader<'a, 'w> {
         let Some(parent) = self.open.last().copied() else { return self.file(name) };
         let value = |names: &[&str]| names.iter().position(|known| *known == name).map(Open::Value);
         let element = match (parent, name) {
+            // Whatever is in an element that is skipped, or that holds text alone, is skipped with
+            // it.
             (Open::Skipped | Open::Name | Open::Value(_), _) => Some(Open::Skipped),
             (Open::File, "object") => Some(self.object()?),
             (Open::File, "material") => Some(self.material()?),
@@ -158,6 +160,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
             (Open::Mesh, "vertices") => Some(Open::Vertices),
             (Open::Mesh, "volume") => Some(self.volume()?),
             (Open::Vertices, "vertex") => {
+                // Which coordinates the element has given; a missing one is found when it ends.
                 self.has = [false; 6];
                 Some(Open::Vertex)
             }
@@ -366,6 +369,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
             }
             Some(AmfElement::Color) => match number(token).filter(|value| value.is_finite()) {
                 Some(value) => self.color[k] = value,
+                // AMF permits formulas in x, y and z as channels of a colour.
                 None => self.is_formula = true,
             },
             parent => {

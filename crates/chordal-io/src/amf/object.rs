@@ -108,6 +108,7 @@ impl AmfObject {
             }
             attributes.push(face(MATERIAL, values));
         }
+        // One volume is the object itself, and needs no group.
         if self.volumes.len() > 1 && n > 0 {
             let mut values = with_room(n)?;
             for (volume, n_faces) in self.runs() {

@@ -144,6 +144,7 @@ impl BezPatches {
                 BezNumbers::Binary { .. } => {}
                 BezNumbers::Text(words) => match words.peek() {
                     None => return Ok(()),
+                    // The end of an embedded object in Geomview's own files.
                     Some([b'}' | b';', ..]) => {
                         words.next();
                         if let Some(word) = words.next() {
@@ -184,12 +185,15 @@ impl BezPatches {
                     let name = ["x", "y", "z", "w"][k];
                     format!("coordinate {name} of point {point} of patch {}", grouped(patch))
                 })?;
+                // After the first number is read, since blank space and comments may precede it.
                 if point == 0 && k == 0 {
                     place = numbers.place();
                 }
             }
             push(&mut points, coordinates)?;
         }
+        // Bicubic patches without weights stay what they are as long as the file has nothing else;
+        // the first other patch turns all of them into NURBS surfaces.
         if layout.is_bicubic() && self.surfaces.is_empty() {
             let control = std::array::from_fn(|row| {
                 std::array::from_fn(|column| {

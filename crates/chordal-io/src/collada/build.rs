@@ -50,6 +50,8 @@ impl ColladaBuilder<'_> {
         };
         let most = COPIES + document.nodes.len();
         let mut is_open = vec![false; document.nodes.len()];
+        // Enter and leave: a node is open while its descendants are on the stack, and meeting it
+        // again then is a loop. Meeting it later is an instance, which is a copy.
         let mut steps: Vec<BuildStep> =
             roots.iter().rev().map(|node| BuildStep::Enter { node: *node, parent: top }).collect();
         while let Some(step) = steps.pop() {
@@ -91,6 +93,8 @@ impl ColladaBuilder<'_> {
                     }
                 }
             }
+            // What waits on the stack counts too, or one node with a million children would be
+            // listed before it is refused.
             if scene.nodes.len() + steps.len() > most.saturating_mul(2) {
                 let message =
                     format!("written out, nodes are more than the limit of {} here", grouped(most as u64));

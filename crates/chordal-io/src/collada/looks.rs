@@ -69,6 +69,7 @@ impl ColladaLooks {
                 pbr.insert("baseColorFactor".to_owned(), json!(color));
             }
             if let Some(path) = self.path(effect) {
+                // A picture that several effects use is one texture.
                 let texture = *texture_indices.entry(path).or_insert_with(|| {
                     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
                     let content = ImageContent::Uri(file.to_owned());
@@ -78,6 +79,7 @@ impl ColladaLooks {
                 });
                 pbr.insert("baseColorTexture".to_owned(), json!({ "index": texture }));
             }
+            // Effects of COLLADA are plain surfaces, but glTF's default is metal.
             pbr.insert("metallicFactor".to_owned(), json!(0.0));
             let mut object = Map::new();
             object.insert("name".to_owned(), json!(name));

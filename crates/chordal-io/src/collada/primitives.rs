@@ -87,6 +87,8 @@ impl ColladaPrimitive<'_> {
             return Err(refuse(scope, at, "missing-source", message));
         }
         let first = geometry.faces.len();
+        // Faces are numbered through all primitives; a symbol holds from its first face to the next
+        // symbol.
         if geometry.symbols.last().is_none_or(|(_, symbol)| *symbol != self.symbol) {
             push(&mut geometry.symbols, (first, self.symbol.clone()))?;
         }
@@ -125,6 +127,7 @@ impl ColladaPrimitive<'_> {
                 plan.push((stream, input.offset));
             }
         }
+        // Several inputs may share an offset, so the largest counts and not their number.
         let stride = self.inputs.iter().map(|input| input.offset + 1).max().unwrap_or(1);
         let mut reader = IndexReader { plan, stride, vertex: vertex.offset, row: vec![0; stride] };
         self.faces(geometry, &mut reader, scope)
@@ -307,6 +310,7 @@ impl IndexReader {
                 ));
             };
             let index = integer(token).ok().and_then(|index| u32::try_from(index).ok());
+            // The largest number means that a corner has no value.
             match index.filter(|index| *index != NO_ROW) {
                 Some(index) => self.row[k] = index,
                 None => {

@@ -119,6 +119,8 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
         if parent == ColladaElement::Skipped {
             return own_entry(ColladaElement::Skipped);
         }
+        // An element that only groups others takes the meaning of its parent, so that both forms of
+        // a file are read alike.
         if is_grouping(parent, name) {
             if parent == ColladaElement::Controller {
                 self.controller();

@@ -41,6 +41,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         let attribute = stream.attribute(id);
         let width = usize::from(attribute.num_components());
         let kind = attribute.attribute_type();
+        // A second set of positions is kept as numbers of unknown meaning.
         if kind == GeometryAttributeType::Position && width == 3 && positions.is_none() {
             let numbers = numbers(attribute, n_points).map_err(refused)?;
             positions = Some(numbers.as_chunks::<3>().0.to_vec());
@@ -78,6 +79,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     for face in draco_stream::faces(&stream) {
         faces.push(face.map_err(refused)?);
     }
+    // Before the mesh is built, so that both are not in memory at once.
     drop(stream);
     let raw = RawMesh { positions, faces, attributes, ..RawMesh::default() };
     let mesh = mesh(raw, limits, &mut warnings)?;

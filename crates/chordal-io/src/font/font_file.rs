@@ -34,6 +34,8 @@ impl FontFile {
                 "the font's table of basic numbers (head) is missing, cut off or empty",
             );
         }
+        // The library replaces an invalid number by its own, and all coordinates would be scaled by
+        // it.
         if metrics.raw_units_per_em != metrics.units_per_em {
             let units = metrics.raw_units_per_em;
             return refuse(

@@ -55,6 +55,8 @@ pub fn letters_in(bytes: &[u8], limits: &Limits) -> Result<String, ReadError> {
     };
     let (mut text, mut n_letters) = (String::new(), 0);
     for c in letters.into_iter().chain(others).take(MOST_TRIED) {
+        // Each with those before it: alone a letter may be drawn, and together they may need two
+        // directions.
         text.push(c);
         if is_drawn(&text) {
             n_letters += 1;

@@ -53,6 +53,8 @@ impl<'a> Typesetter<'a> {
                            left: each is to be a text of its own";
             return refuse("two-directions", message.to_owned());
         }
+        // The shaper sets each run by its own direction; the runs follow each other from left to
+        // right, so the last one comes first.
         if is_backward {
             runs.reverse();
         }

@@ -135,10 +135,12 @@ impl<'a> GiftiArray<'a> {
             GiftiEncoding::Base64 => encoded().rest()?,
             GiftiEncoding::PackedBase64 => {
                 let packed = encoded().rest()?;
+                // Before unpacking: the array says how many bytes it has.
                 check_ratio(Some(n_bytes), packed.len() as u64, &here())?;
                 self.unpacked(&packed, n_bytes, here())?
             }
             GiftiEncoding::External(name, offset) => {
+                // What the file itself takes counts towards the limit of bytes.
                 let used = file.text.len() as u64;
                 let mut files = DataFiles::new(file.open.as_deref_mut(), used, file.limits.bytes);
                 let mut bytes = files.fetch(name, &place(file.text, self.at))?;

@@ -126,6 +126,7 @@ fn arrays<'a>(
                 if let (Some(which), ["GIFTI", "DataArray", "Data"]) = (current, open.as_slice())
                     && let Some(array) = &mut arrays[which]
                 {
+                    // Usually one piece, which is borrowed; CDATA and entities cut it into several.
                     if array.data.is_empty() {
                         array.data = content;
                     } else {

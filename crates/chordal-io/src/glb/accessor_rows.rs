@@ -58,9 +58,12 @@ impl<'m> AccessorRows<'m> {
             // Strides are 252 at most, or 64 when they follow from the format.
             base = Some((bytes(model, view, offset, length)?, stride as usize));
         }
+        // Data of a compressed stream takes precedence over the view, which a writer may have left
+        // for readers without the decoder.
         if let Some(rows) = &object.unpacked {
             base = Some((rows, format.row_length() as usize));
         }
+        // Without a view the rows are zeros, which sparse values then replace.
         let mut sparse = None;
         if let Some(rows) = &object.sparse {
             let (Some(index_component), Some(index_view), Some(value_view)) =

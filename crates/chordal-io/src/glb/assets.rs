@@ -75,6 +75,7 @@ impl<'a> AssetReader<'a> {
             }
         }
         *tree.scene.assets = self.assets(number_of, tree.has_cut_nodes)?;
+        // After the nodes' own properties, whose other extensions they join.
         for (at, attributes) in std::mem::take(&mut self.instances) {
             let properties = &mut tree.scene.nodes[at].properties;
             let mut merged = (**properties).clone();
@@ -140,6 +141,7 @@ impl<'a> AssetReader<'a> {
             ..SceneAssets::default()
         };
         assets.images = (0..self.list("images").len()).map(|i| self.image(i)).collect::<Result<_, _>>()?;
+        // By accessor its copy, so that animations and skins that share one go on sharing it.
         let mut packed = vec![None; self.model.accessors.len()];
         self.add_animations(&mut assets, &mut packed, &number_of)?;
         if !has_cut_nodes {

@@ -40,6 +40,7 @@ impl<'m> AttributePlan<'m> {
     /// memory of its primitives.
     pub fn from_mesh(model: &GltfModel<'_>, mesh: &'m GltfMesh<'_>) -> Self {
         let mut usage: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::new();
+        // In the order of the file, which the map does not keep.
         let mut order = Vec::new();
         let mut n_drawn = 0;
         for primitive in mesh.primitives.iter().filter(|primitive| primitive.is_drawn()) {

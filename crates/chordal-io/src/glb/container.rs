@@ -73,6 +73,7 @@ fn split<'a>(bytes: &'a [u8], step: usize, report: &mut GlbWarnings) -> Result<G
     // | magic version length | n kind      | data   | n kind | data | …
     let (mut json, mut bin, mut n_chunks) = (None, None, 0);
     let mut at = 12;
+    // To the end that the header names: what follows it is no chunk.
     while at < bytes.len() && at != length {
         let (Some(n), Some(kind)) = (word(at), word(at + 4)) else {
             return error(
