@@ -132,8 +132,8 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
 
     /// An attribute of a namespace.
     pub(crate) fn get_in(&self, namespace: N, name: &str) -> Option<&str> {
-        let is_it = |v: &&XmlValue<N>| v.local == name && v.namespace == namespace;
-        self.values.iter().find(is_it).map(|v| &*v.value)
+        let is_named = |v: &&XmlValue<N>| v.local == name && v.namespace == namespace;
+        self.values.iter().find(is_named).map(|v| &*v.value)
     }
 
     /// A required attribute.

@@ -9,6 +9,8 @@ pub(super) fn drop_dangling_references(scene: &mut Scene, report: &mut GlbWarnin
     let n_targets: Vec<usize> = scene.parts.iter().map(|part| targets_of(&part.mesh).len()).collect();
     let is_skinned: Vec<bool> = scene.parts.iter().map(|part| has_skin(&part.mesh)).collect();
     let n_weights = |properties: &Map<String, Value>| {
+        // A list with anything but numbers counts as empty. Both are refused below, even for a mesh
+        // without targets: glTF has no empty lists.
         let numbers = |weights: &Vec<Value>| weights.iter().all(Value::is_number).then_some(weights.len());
         properties.get("weights").map(|weights| weights.as_array().and_then(numbers).unwrap_or(0))
     };
@@ -35,6 +37,7 @@ pub(super) fn drop_dangling_references(scene: &mut Scene, report: &mut GlbWarnin
             n_unskinned += 1;
         }
     }
+    // Runs after the parts were read: only then is it known which morph targets were kept.
     let is_kept = |channel: &Value| {
         let target = &channel["target"];
         let node = target["node"].as_u64().and_then(|node| scene.nodes.get(usize::try_from(node).ok()?));

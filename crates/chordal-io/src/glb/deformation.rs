@@ -73,6 +73,8 @@ pub(super) fn skin_sets(mesh: &Mesh) -> Vec<SkinSet> {
         let influences = if sum > 0.0 && sum.is_finite() { influences } else { vec![(0, 1.0)] };
         let sum = if sum > 0.0 && sum.is_finite() { sum } else { 1.0 };
         let mut stored: Vec<f32> = influences.iter().map(|(_, weight)| (weight / sum) as f32).collect();
+        // Each weight was rounded for itself, so their sum is not 1. The heaviest joint takes the
+        // difference: it is the smallest there in proportion.
         let rest: f64 = stored[1..].iter().map(|weight| f64::from(*weight)).sum();
         stored[0] = (1.0 - rest) as f32;
         for (s, set) in sets.iter_mut().enumerate() {

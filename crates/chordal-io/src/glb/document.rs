@@ -89,6 +89,7 @@ impl<'a> GltfDocument<'a> {
     /// Adds the animations and skins of nodes, and the transforms of instanced nodes.
     pub fn add_animations(&mut self, scene: &Scene, nodes: &mut node_list::NodeList) {
         let assets = self.assets;
+        // `at[i]` is the index in the document of accessor `i` of the assets.
         let mut at = Vec::with_capacity(assets.accessors.len());
         for accessor in &assets.accessors {
             let mut object = accessor.properties.clone();
@@ -310,6 +311,7 @@ impl<'a> GltfDocument<'a> {
     }
 
     fn add(&mut self, stream: AccessorStream<'a>) -> Result<usize, WriteError> {
+        // Taken out of `self` meanwhile: both comparing rows and adding a stream need the document.
         let Some(mut known) = self.known_rows.take() else { return self.add_new(stream) };
         let outline = (
             stream.component_type(),
@@ -320,6 +322,7 @@ impl<'a> GltfDocument<'a> {
             stream.fingerprint()?,
         );
         let same = known.entry(outline).or_default();
+        // Equal outlines only select what to compare: rows are shared if their bytes are the same.
         let mut existing = None;
         for accessor in same.iter().copied() {
             if self.has_rows(accessor, &stream)? {
@@ -453,6 +456,7 @@ impl<'a> GltfDocument<'a> {
         }
         root.insert("asset".to_owned(), asset);
         root.insert("scene".to_owned(), json!(0));
+        // An empty list of nodes is invalid in glTF; so are the empty lists below.
         let mut shown = self.assets.scene.clone();
         if !nodes.roots.is_empty() {
             shown.insert("nodes".to_owned(), json!(nodes.roots));

@@ -46,6 +46,8 @@ pub(super) fn unpack(
             let Some(stream) = &primitive.draco else { continue };
             let Some(view) = stream.view.filter(|_| !has_plain_copy(model, primitive)) else { continue };
             let accessors = primitive.stream_accessors();
+            // Primitives may share a stream: the second one needs nothing if all its rows are known
+            // from the same stream.
             let is_filled = |(accessor, id): &(usize, _)| filled.get(accessor) == Some(&(view, *id));
             if accessors.iter().all(is_filled) {
                 continue;
@@ -61,6 +63,8 @@ pub(super) fn unpack(
                         }
                     }
                 }
+                // A limit ends the reading; a broken stream concerns only the primitives that need
+                // it, and the linter's issues are judged later, all together.
                 Err((code @ ("too-large" | "unsupported-extension"), what)) => {
                     return Err(ReadError::new(code, FileLocation::Pointer(pointer()), what));
                 }
@@ -130,6 +134,7 @@ fn decode(
     }
     let mesh = draco_stream::decode(stream, limits, left)?;
     let n_points = mesh.num_points();
+    // Counted from the header of the decoded mesh, before the rows are copied out of it.
     let row_bytes = |accessor: &GltfAccessor| accessor.format().map_or(0, |format| format.row_length());
     let objects = wanted.iter().filter_map(|(accessor, _)| item(&model.accessors, Some(*accessor)));
     let n_bytes = objects.map(row_bytes).fold(0, u64::saturating_add).saturating_mul(n_points as u64);

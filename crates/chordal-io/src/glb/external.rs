@@ -17,6 +17,7 @@ pub(super) fn open_files(
     limits: &Limits,
     report: &mut GlbWarnings,
 ) -> Result<(), ReadError> {
+    // One allowance for all files: many small ones may not exceed it together.
     let mut left = limits.bytes;
     let mut fetch = |uri: &str, pointer: &str| -> Result<Vec<u8>, ReadError> {
         let refused = |code, what: String| {
@@ -32,6 +33,8 @@ pub(super) fn open_files(
         left = left.checked_sub(bytes.len() as u64).ok_or_else(|| {
             refused("too-large", format!("makes the files larger than the limit of {} bytes", limits.bytes))
         })?;
+        // The linter's own allowance followed from the size of the glTF, before these bytes were
+        // known.
         lint.allow(bytes.len() as u64);
         Ok(bytes)
     };

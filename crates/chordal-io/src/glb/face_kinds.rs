@@ -46,6 +46,8 @@ impl FileFaceKinds {
             // A copy of glTF's default: bare faces with properties need a group.
             materials.push(json!({}));
         }
+        // A material that some faces have without properties stays for these: faces with properties
+        // get a copy. Otherwise the first kind may take the material itself.
         let silent = painted.iter().filter(|faces| faces.properties.is_empty());
         let mut taken: BTreeSet<usize> = silent.filter_map(|faces| faces.material).collect();
         let mut kinds = BTreeMap::new();
@@ -54,7 +56,9 @@ impl FileFaceKinds {
             groups[mesh][primitive] = if properties.is_empty() {
                 material.map_or(0, |material| material + 1)
             } else {
+                // `n` is the copy of the default that was pushed above.
                 let material = material.unwrap_or(n);
+                // Properties are JSON, which has no order; their text has.
                 let key = (material, Value::Object(properties.clone()).to_string());
                 1 + *kind_indices.entry(key).or_insert_with(|| {
                     let idx = if taken.insert(material) { material } else { materials.len() };

@@ -77,6 +77,7 @@ pub(super) fn streams_of(
         if is_written {
             streams.push(AccessorStream::attribute(attribute, *counter)?);
         }
+        // Counted even if it was left out: nothing of its kind follows then.
         if matches!(attribute.semantic, Semantic::Color(_) | Semantic::TexCoord(_)) {
             *counter += 1;
         }

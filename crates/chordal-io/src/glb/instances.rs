@@ -54,6 +54,8 @@ pub(super) fn place(
         let count = rows.count.unwrap_or(0);
         let refused =
             |code, what: String| Err(ReadError::new(code, FileLocation::Pointer(pointer.clone()), what));
+        // Checked before a node is made: an accessor without a view takes no bytes of the file,
+        // however many rows it claims.
         if count.saturating_add(scene.nodes.len() as u64) > limits.rows {
             return refused(
                 "too-many-rows",
@@ -71,6 +73,7 @@ pub(super) fn place(
             scene.nodes[at].children.push(child);
             scene.nodes.push(instance);
         }
+        // The node itself is no instance: from now on only its children show the part.
         scene.nodes[at].part = None;
     }
     Ok(left)

@@ -56,6 +56,7 @@ impl<'a> GlbLevels<'a> {
                     node_coverages[k]
                 ));
             }
+            // A level that does not end before the next one begins would never be shown.
             if let Some(k) = node_coverages.windows(2).position(|pair| pair[1] >= pair[0]) {
                 return refused(format!(
                     "level {} of node {i} is not shown on less of the screen than level {k}",

@@ -117,6 +117,8 @@ impl LodNodes {
                 open.extend(self.next(model, node));
             }
         }
+        // A level may itself be part of the scene, or below a node that is; then it is shown as
+        // well.
         let mut open = roots.to_vec();
         while let Some(node) = open.pop() {
             // Each node has one parent, so each is visited once.

@@ -94,6 +94,7 @@ impl MarkAccessor {
         let number = |key: &str| properties.get(key).and_then(Value::as_u64).unwrap_or_default();
         let count = usize::try_from(number("count")).unwrap_or_default();
         let size = packed.bytes.len().checked_div(count).unwrap_or_default();
+        // In glTF each row of a vertex attribute begins at a multiple of four bytes.
         let padded = size.next_multiple_of(4);
         let (bytes, stride) = if size == padded {
             (packed.bytes.to_vec(), None)
@@ -137,6 +138,8 @@ fn moved(packed: &PackedAccessor, place: &StoredPositions) -> Option<PackedAcces
         let (raw, k) = (component.number(number), i % 3);
         let x = if is_normalized { greater(raw / component.range().1, -1.0) } else { raw };
         let stored = ((x - origin[k]) / step) as f32;
+        // Adding zero turns −0 into 0. The bounds are those of the stored numbers, as the validator
+        // compares exactly.
         let [least, most] = bounds.each_mut().map(|bound| &mut bound[k]);
         (*least, *most) = (lesser(f64::from(stored) + 0.0, *least), greater(f64::from(stored) + 0.0, *most));
         bytes.extend(stored.to_le_bytes());

@@ -65,6 +65,11 @@ pub(super) fn nodes(
     };
     let instanced = InstancedNodes::of(scene, may_show, &is_animated);
     let number = instanced.numbers(first);
+    // The numbers of the nodes in the document:
+    //
+    //      0 … first               the frame's nodes
+    //      … first + n_written     one for each node of the scene, without places of instances
+    //      …                       further links of chains, then coarser levels
     let n_written = instanced.is_place.iter().filter(|is_place| !**is_place).count();
     let mut extra = Vec::new();
     let mut hosts = Vec::new();
@@ -99,6 +104,8 @@ pub(super) fn nodes(
         host.add_levels(&scene.nodes[host.node].name, coverages, first, &mut list);
     }
     let mut roots = scene.roots.iter().map(|root| number[*root]).collect();
+    // From the innermost node of the frame outward: each takes the roots so far and becomes the
+    // only root.
     for (i, node) in frame.iter_mut().enumerate().rev() {
         node["children"] = json!(std::mem::replace(&mut roots, vec![i]));
     }
@@ -230,6 +237,7 @@ fn chain(
         let is_bare = inner.properties.is_empty() && node.children.is_empty() && !is_moved;
         if has_place && !is_bare || !coarser.is_empty() && !is_replaceable(node, is_moved) {
             let of_mesh = ["skin", "weights"];
+            // They belong to the mesh, and glTF allows them only on the node that has it.
             let moved = of_mesh.map(|key| (key.to_owned(), inner.properties.shift_remove(key)));
             let moved = moved.into_iter().filter_map(|(key, value)| Some((key, value?)));
             let properties = Map::from_iter(moved);

@@ -102,6 +102,8 @@ fn keep_first_levels(
         return ((0..n_meshes).collect(), (0..scene.nodes.len()).map(Some).collect());
     }
     let hidden = lower.hidden_nodes(model, &scene.roots);
+    // A mesh becomes no part only if a coarser level has it and no shown node; one that no node has
+    // at all is kept.
     let (mut is_lower, mut is_seen) = (replaced, vec![false; n_meshes]);
     for (node, hidden) in scene.nodes.iter().zip(&hidden) {
         if let Some(mesh) = node.part {

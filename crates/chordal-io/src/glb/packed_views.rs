@@ -25,6 +25,8 @@ pub(super) fn unpack(
         let Some(stream) = stream.filter(|_| is_inside) else { continue };
         let refused = |code, what| ReadError::new(code, FileLocation::Pointer(pointer.clone()), what);
         let n_bytes = layout.n_bytes();
+        // Charged by what the view claims, before memory is reserved: a few bytes may claim
+        // gigabytes.
         left = left.checked_sub(n_bytes).ok_or_else(|| {
             let what = format!("the unpacked data exceeds the limits: {n_bytes} bytes more, {left} are left");
             refused("too-large", what)

@@ -83,6 +83,8 @@ impl<'m> PartReader<'m> {
             self.primitive(&mut draft, primitive, &pointer)?;
             let group = self.material_groups.get(mesh_idx).and_then(|groups| groups.get(p));
             let n_new = draft.faces.len() - n;
+            // Other primitives of the mesh have normals, so these need some too: glTF shades
+            // triangles without normals flat, which takes three vertices for each.
             if draft.has_normals()
                 && n_new > 0
                 && primitive.attributes.iter().all(|(name, _)| *name != NORMAL)
@@ -91,6 +93,7 @@ impl<'m> PartReader<'m> {
                 self.plan_flat_faces(&draft, n_new, &pointer)?;
             }
             let group = group.map_or(0.0, |group| *group as f64);
+            // The list stays empty until a face has a group; then the faces before it get group 0.
             if group > 0.0 || !draft.materials.is_empty() {
                 draft.materials.resize(n, 0.0);
                 draft.materials.resize(n + n_new, group);
@@ -183,6 +186,8 @@ impl<'m> PartReader<'m> {
                 return Err(ReadError::new(BROKEN_STREAM, place(), what));
             }
         }
+        // Exporters often list the same accessors in several primitives that differ only in their
+        // indices. Their vertices are read once, so that the primitives stay joined.
         let key = (&primitive.attributes, primitive.targets.as_deref());
         let (first, count) = match draft.blocks.get(&key) {
             Some(block) => *block,
@@ -372,10 +377,14 @@ impl<'m> PartReader<'m> {
         self.charge(rows.count * 4, pointer)?;
         let mut list = Vec::new();
         reserve(&mut list, rows.count as usize, pointer)?;
+        // The greatest number of an index type is "restart primitive", and glTF forbids it
+        // everywhere.
         let (restart, limit) = (format.component.range().1, count as f64);
         let mut wrong = None;
         rows.each_block(|row, indices| {
             let is_wrong = |index: &f64| *index >= limit || *index == restart;
+            // The fold has no early exit, so that a block of indices is compared several at once;
+            // the place of a wrong one is looked up only then.
             if wrong.is_none() && indices.iter().fold(false, |any, index| any | is_wrong(index)) {
                 let first = indices.iter().position(is_wrong);
                 wrong = first.map(|i| (row + i as u64, indices[i]));

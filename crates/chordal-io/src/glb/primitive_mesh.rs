@@ -23,6 +23,7 @@ impl PrimitiveMesh {
         if let [(group, _)] = runs[..] {
             return Ok(vec![Self { submesh: None, group }]);
         }
+        // After splitting, no vertex belongs to two runs. Vertices of no face stay at run 0.
         let mut run_of = vec![0; mesh.positions().len()];
         let mut first = 0;
         for (run, (_, n)) in runs.iter().enumerate() {
@@ -31,6 +32,7 @@ impl PrimitiveMesh {
             first += n;
         }
         let mut rows = vec![Vec::new(); runs.len()];
+        // `number` is the index of a vertex within its own run.
         let mut number = vec![0; run_of.len()];
         for (vertex, run) in (0..).zip(&run_of) {
             number[vertex as usize] = rows[*run].len() as u32;

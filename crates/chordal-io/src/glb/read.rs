@@ -115,6 +115,8 @@ pub(crate) fn read_with(
         external::open_files(&mut model, &mut lint, open, limits, &mut report)?;
         quota = decode_quota(bytes.len() + model.n_external(), limits);
     }
+    // Draco's streams may lie in packed views, so views are unpacked first. Only then are all rows
+    // present that the linter checks.
     quota = packed_views::unpack(&mut model, &mut lint, quota)?;
     quota = draco::unpack(&mut model, &mut lint, limits, quota)?;
     check_zeros(&model, limits, quota)?;
@@ -140,6 +142,8 @@ pub(crate) fn read_with(
         metres_per_unit: Some(1.0),
         texture_origin: Some(TextureOrigin::UpperLeft),
     };
+    // A certificate may list more levels than any node has, or fewer. The larger number counts, so
+    // that whoever verifies looks at all of them.
     let n_listed;
     (scene.certificate, n_listed) = certificate(&json, (n_lower > 0).then_some(limits.level));
     scene.coarser_levels = if n_lower == 0 { 0 } else { n_lower.max(n_listed.saturating_sub(1)) };

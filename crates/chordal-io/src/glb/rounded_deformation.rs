@@ -26,6 +26,8 @@ pub fn round_deformation(mesh: &Mesh, storage: Option<&VertexStorage>) -> Result
             Semantic::Blended(_) => {
                 let own = followed.iter().find(|(.., own)| std::ptr::eq(*own, attribute));
                 let first = own.map_or(usize::MAX, |(first, ..)| *first);
+                // The sets may have fewer joints at a vertex than the attribute; what they left out
+                // is 0 in the file.
                 if own.is_some() {
                     values.fill(0.0);
                 }

@@ -81,6 +81,7 @@ impl SkinPlan {
                 if vertex < count
                     && let Some(values) = streams.get_mut(k)
                 {
+                    // Added, since a vertex may name the same joint in several places.
                     values[starts[k] + vertex * widths[k] + column] += weight;
                 }
             });

@@ -36,6 +36,7 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
 /// The same triangles, sorted by material in the order of first appearance.
 fn grouped_by_material(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     let Some(groups) = material_groups(mesh) else { return Ok(Cow::Borrowed(mesh)) };
+    // The rank of each material by its first appearance.
     let mut place = BTreeMap::new();
     for value in &groups.values {
         let next = place.len();
@@ -46,6 +47,7 @@ fn grouped_by_material(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
         return Ok(Cow::Borrowed(mesh));
     }
     let mut order: Vec<usize> = (0..places.len()).collect();
+    // The sort is stable: triangles of one material stay in the order in which they are drawn.
     order.sort_by_key(|face| places[*face]);
     let faces = order.iter().map(|face| mesh.faces()[*face]).collect();
     let mut sorted = Mesh::new(mesh.positions().to_vec(), faces)?;

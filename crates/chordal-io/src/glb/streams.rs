@@ -323,6 +323,8 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::ShortWeights(weights) => {
                 weights.iter().try_for_each(|weight| sink.put(weight.to_le_bytes()))?;
             }
+            // A fourth number of 0 makes rows of eight bytes: in glTF they begin at multiples of
+            // four.
             AccessorSource::Positions(mesh, StoredPositions::Lattice(lattice, corner)) => {
                 for position in mesh.positions() {
                     let [x, y, z] = lattice.stored(*position, *corner);

@@ -56,6 +56,11 @@ pub(super) fn triangles(corners: &PrimitiveIndices, mode: u64, out: &mut Vec<[u3
         left.unused = n as u64;
         return left;
     }
+    // Corners in the order of the formulas of glTF's specification:
+    //
+    //       1 --- 3 --- 5         strip: 0 1 2, 1 3 2, 2 3 4, 3 5 4
+    //      / \   / \   /
+    //     0 --- 2 --- 4           fan:   1 2 0, 2 3 0, 3 4 0
     for i in 0..n - 2 {
         let [a, b, c] = match mode {
             // Every second triangle of a strip is flipped, so that all have the same orientation.

@@ -81,6 +81,7 @@ impl SampleFileNames<'_, '_> {
         let mut files = Vec::new();
         let lines = TextLines::new(&self.bytes[self.fields.end..]).map(|(line, text)| (line, trim(text)));
         for (line, text) in lines.filter(|(_, text)| !text.is_empty()) {
+            // The list begins in the line after the field.
             let line = line + field.line;
             let wrong = |what: String| ReadError::new("bad-header", FileLocation::Line(line), what);
             if files.len() as u64 == declared {
@@ -127,6 +128,7 @@ impl SampleFileNames<'_, '_> {
         let mut number = first;
         for _ in 0..declared {
             crate::grow::push(&mut files, SampleFile { name: numbering.name(number), line: field.line })?;
+            // The number after the last name may overflow; it is not used.
             number = number.wrapping_add(step);
         }
         Ok(files)

@@ -162,6 +162,7 @@ fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLa
     for (axis, n) in sizes.iter().enumerate() {
         along(axis, *n, &place)?;
     }
+    // Programs pad the list of sizes with ones.
     let last = sizes.iter().rposition(|n| *n > 1).map_or(0, |last| last + 1);
     if last > 4 || axes < 3 {
         let sizes_text: Vec<String> = sizes.iter().map(ToString::to_string).collect();

@@ -38,6 +38,8 @@ impl NpyHeader {
             return Err(ReadError::new("bad-magic", FileLocation::Byte(0), message));
         }
         let version = *bytes.get(6).ok_or_else(cut)?;
+        // Version 2 only has a longer length, and version 3 only another encoding of names, which
+        // no supported type has.
         let (start, length) = match (version, bytes.get(8..10), bytes.get(8..12)) {
             (1, Some(n), _) => (10, u32::from(u16::from_le_bytes([n[0], n[1]]))),
             (2 | 3, _, Some(n)) => (12, u32::from_le_bytes([n[0], n[1], n[2], n[3]])),
@@ -85,6 +87,7 @@ impl<'a> NpyDictionary<'a> {
                     return Err(header_error(at, format!("{} is no entry of a .npy header", show(other))));
                 }
             }
+            // NumPy writes a comma after the last entry, too.
             if !self.takes(b',') {
                 self.expect(b'}')?;
                 break;
@@ -189,6 +192,7 @@ impl<'a> NpyDictionary<'a> {
         };
         let (endian, rest) = match text {
             [b'>', rest @ ..] => (Endian::Big, rest),
+            // No byte order (`|`) is right for single bytes; others are refused below.
             [b'<' | b'|', rest @ ..] => (Endian::Little, rest),
             _ => return Err(unsupported("does not say its byte order: '<', '>' or '|' comes first")),
         };

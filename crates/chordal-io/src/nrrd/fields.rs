@@ -103,6 +103,7 @@ impl NrrdHeader {
         let colon =
             colon.ok_or_else(|| header_error(line, format!("{} is no field of a header", show(text))))?;
         let (name, value) = (&text[..colon], &text[colon + 1..]);
+        // `key:=value` is no field but a pair of the program that wrote it.
         if let Some(value) = value.strip_prefix(b"=") {
             if name == CERTIFICATE.as_bytes() {
                 self.certificate.take(&unescaped(value), FileLocation::Line(line));
@@ -110,6 +111,7 @@ impl NrrdHeader {
             self.segments.take(name, &unescaped(value));
             return Ok(());
         }
+        // Many fields have two spellings, as `line skip` and `lineskip`.
         let name: Vec<u8> = name.iter().filter(|b| **b != b' ').map(u8::to_ascii_lowercase).collect();
         if name.is_empty() || seen.contains(&name) {
             return Err(header_error(

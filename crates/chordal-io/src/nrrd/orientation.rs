@@ -54,6 +54,7 @@ pub(super) fn affine(
             (FileLocation::Line(line), message.to_owned())
         });
     }
+    // The steps are the columns of the map.
     let row = |k: usize| [steps[0][k], steps[1][k], steps[2][k], origin[k]];
     Affine3::new([row(0), row(1), row(2)]).map_err(|error| singular(line, error.to_string()))
 }

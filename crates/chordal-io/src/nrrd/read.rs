@@ -56,6 +56,10 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         return Err(missing("endian"));
     }
     let mut layout = SampleLayout::volumes(element, fields.endian.unwrap_or(Endian::Little), size);
+    // The first axis varies fastest:
+    //
+    //      | inner | inner | … | inner |    `of` runs, one of each volume,
+    //      | inner | inner | … | inner |    `outer` times
     if let Some(list) = list {
         let product = |sizes: &[i64]| sizes.iter().map(|n| *n as u64).product();
         layout.inner = product(&sizes.value[..list]);
@@ -144,6 +148,8 @@ fn axes(
     let by_spacing =
         || fields.spacings.as_ref().and_then(|field| field.value.iter().position(|x| x.is_nan()));
     // If no field tells which axis is outside space, it is the slowest.
+    // By the surest field first: a direction `none` says outright that the axis is outside space, a
+    // kind only what it holds; spacings of such axes are NaN.
     let list = by_direction.or_else(by_kind).or_else(by_spacing).filter(|axis| *axis < 4).unwrap_or(3);
     let mut axes = (0..4).filter(|axis| *axis != list);
     let mut next = || axes.next().unwrap_or(0);

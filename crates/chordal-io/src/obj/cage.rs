@@ -75,6 +75,8 @@ impl CageBuilder {
             return Err(ReadError::new("too-few-corners", place, "a face has no corners"));
         }
         if n < 3 {
+            // The number of this face in the file, by which tags of holes name faces: the skipped
+            // ones count.
             let number = self.ends.len() + self.short.len();
             push(&mut self.short, number as u32)?;
             self.corners.truncate(start);

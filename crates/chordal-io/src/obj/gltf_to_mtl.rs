@@ -77,6 +77,8 @@ impl<'a> MtlWriter<'a> {
         let factor = |value: &Value, default: f64| value.as_f64().unwrap_or(default);
         let metal = factor(&pbr["metallicFactor"], 1.0);
         let roughness = factor(&pbr["roughnessFactor"], 1.0);
+        // What still looks as it was read keeps the text of its library; what was changed is
+        // written anew. `written` keeps the loop below from repeating either.
         let mut written: Vec<&str> = Vec::new();
         if original.color("Kd").is_some() && look.base == [r, g, b] {
             self.original_statements(original, &["Kd"], &mut written);
@@ -101,6 +103,8 @@ impl<'a> MtlWriter<'a> {
             }
             written.push("Ke");
         }
+        // Without extras the material is from no library, so no statement is left out for being
+        // absent there.
         if extras.is_none() {
             // The reflectance of glTF at normal incidence (specification, appendix B.2), for programs that do
             // not support metal and roughness.
@@ -187,10 +191,10 @@ impl<'a> MtlWriter<'a> {
         let renamed = MtlMap::parse(text).and_then(|map| {
             let path = map.path.replace('\\', "/");
             let path = path.trim_start_matches("./");
-            let is_it = |name: &str| name == path || name.ends_with(&format!("/{path}"));
+            let is_at = |name: &str| name == path || name.ends_with(&format!("/{path}"));
             let images = self.assets.images.iter();
             let image = images.map(|image| image.properties.get("name")).position(|name| {
-                name.and_then(Value::as_str).is_some_and(|name| is_it(name) && !file_name(name).is_empty())
+                name.and_then(Value::as_str).is_some_and(|name| is_at(name) && !file_name(name).is_empty())
             })?;
             Some((text.rfind(&map.path)?, image))
         });

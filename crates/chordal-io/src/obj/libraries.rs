@@ -76,6 +76,7 @@ struct LibraryReader<'r, 'a, 'b> {
 impl LibraryReader<'_, '_, '_> {
     /// Reads the libraries of a statement: one with spaces in its name, or several.
     fn statement(&mut self, rest: &str) {
+        // First as one name, since names may have spaces.
         let Err(error) = self.library(rest) else { return };
         let names = names_of(rest);
         let (mut missing, mut n_found) = (Vec::new(), 0);
@@ -97,6 +98,7 @@ impl LibraryReader<'_, '_, '_> {
                 None => {}
             }
         }
+        // The whole was one name after all; the error of its pieces would only confuse.
         if n_found == 0 && names.len() < 2 {
             missing = vec![error];
         }
@@ -132,6 +134,7 @@ impl LibraryReader<'_, '_, '_> {
         if is_outside {
             self.notes.add(FOUND_BY_NAME, FOUND_BY_NAME_TEXT, name);
         }
+        // Counted before its materials are converted: they may take memory in proportion to it.
         self.left = self.left.map(|left| left.saturating_add(PER_BYTE * bytes.len() as u64));
         self.tried.insert(path.clone());
         match text_of(&bytes) {

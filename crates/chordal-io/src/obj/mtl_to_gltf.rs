@@ -204,6 +204,8 @@ impl MtlConverter<'_, '_, '_> {
         let normal = extras.get("normal").and_then(Value::as_str).unwrap_or("norm").to_owned();
         let pbr = &object["pbrMetallicRoughness"];
         for (keyword, value) in &material.values {
+            // What the object says exactly is not repeated in the extras: the writer takes it from
+            // the object, where users may have changed it.
             let is_said = match (*keyword, value) {
                 ("Kd", _) => material.color("Kd") == Some(look.base),
                 ("d", MtlValue::Numbers(numbers)) => numbers[..] == [look.opacity],

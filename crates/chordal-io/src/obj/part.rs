@@ -96,6 +96,8 @@ impl<'a> ObjPart<'a> {
                 part.n_lines += 1;
                 continue;
             }
+            // Only this reader knows where a statement of any spelling ends: it may go on in
+            // further lines.
             let mut statements = ObjStatements::new(&text[start..]);
             statements.next();
             cursor.at = start + statements.offset();

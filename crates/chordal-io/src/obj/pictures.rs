@@ -99,6 +99,7 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
         };
         let above = files::resolve_path("", path).ok().filter(|above| *above != inside);
         let result = self.open_inside(inside);
+        // If both fail, the error names the first place, where the picture should be.
         match result.or_else(|why| above.map_or(Err(None), |above| self.open_inside(above)).map_err(|_| why))
         {
             Ok(picture) => Some(picture),

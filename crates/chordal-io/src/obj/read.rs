@@ -464,12 +464,15 @@ impl<'a> ObjReader<'a> {
             self.positions
                 .try_reserve_exact(self.rows.len() - self.positions.len())
                 .map_err(|_| crate::grow::out_of_memory(self.rows.len()))?;
+            // The first rows are the file's vertices themselves; the rows after them repeat a
+            // position with another normal or texture coordinate.
             for corner in self.rows.corners().skip(self.positions.len()) {
                 let position = self.positions[corner.position as usize];
                 self.positions.push(position);
             }
         }
         raw.positions = self.positions;
+        // Before the faces are cut, so that the memory of both is never held at once.
         drop((self.corners, self.rows));
         raw.faces = self.faces.cut(&raw.positions, FileLocation::Line, &mut self.warnings);
         let (groups, names) = group_attributes(self.groups, raw.faces.len())?;
@@ -542,6 +545,7 @@ impl<'a> ObjReader<'a> {
         pick: fn(ObjCorner) -> u32,
     ) -> Result<Option<Vec<f64>>, ReadError> {
         let mut used = vec![false; list.len()];
+        // 0 stands for a corner without one.
         self.rows.corners().filter_map(|c| pick(c).checked_sub(1)).for_each(|i| used[i as usize] = true);
         let n_unused = used.iter().filter(|u| !**u).count() as u64;
         let [unused, missing] = match what {

@@ -107,11 +107,13 @@ fn of_materials<'a>(
     let stem = safe(stem);
     let library = format!("{stem}.mtl");
     let mut taken = UniqueNames::default();
+    // No picture may have the library's name.
     taken.unique(&library, "");
     let images = assets.images.iter();
     let names: Vec<String> = images.map(|image| picture_name(image, &stem, &mut taken)).collect();
     let mut writer = MtlWriter::new(assets, &names);
     let unique = ObjNames::new(groups, assets);
+    // The first name is that of faces without a material.
     for (material, name) in assets.materials.iter().zip(&unique.materials[1..]) {
         writer.material(name, material);
     }

@@ -137,6 +137,7 @@ impl ObjWriter<'_> {
             let Some(attribute) = attribute.filter(|a| a.domain == Domain::Face && a.width == 1) else {
                 continue;
             };
+            // Several kinds may share a statement; the first one has it.
             if !groups.iter().any(|(_, _, other, _)| *other == keyword) {
                 groups.push((attribute, kind, keyword, 0.0));
             }

@@ -131,6 +131,7 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
             self.warnings.count("keyword-joined", || {
                 (place, "no space stands between the keyword and the count after it".to_owned())
             });
+            // The digits are the number of vertices, as in `OFF8 6 12`.
             self.pending = Some(digits);
         }
         let mut after = self.words.clone();

@@ -42,6 +42,7 @@ impl OffVertices {
             texcoords: with_room(n_rows * n_after)?,
             colors: OffColors::default(),
         };
+        // A row has its parts in the reverse order of the keyword's letters, [ST][C][N].
         for row in 0..header.n_vertices {
             rows.start_row(row)?;
             let position = position(rows, header, limits)?;

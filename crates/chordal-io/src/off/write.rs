@@ -84,8 +84,8 @@ impl<'a> OffPartLayout<'a> {
         let first_rows = instance.first_rows();
         let attributes = instance.part.mesh.attributes();
         let kept = |semantic: Semantic, domain: Domain| {
-            let is_it = |a: &&Attribute| a.semantic == semantic && a.domain == domain;
-            attributes.iter().filter(is_it).find(|a| keeps(a, &first_rows))
+            let is_same = |a: &&Attribute| a.semantic == semantic && a.domain == domain;
+            attributes.iter().filter(is_same).find(|a| keeps(a, &first_rows))
         };
         Self {
             normals: kept(Semantic::Normal, Domain::Vertex),

@@ -37,6 +37,7 @@ impl PlyFaceReader<'_> {
         let list = corner_list(element, warnings)?;
         let mut corners = Vec::new();
         let n_plain = if element.properties.len() == 1 { self.plain_polygons(body, element)? } else { 0 };
+        // The rows after the plain ones, one by one: only this loop reports errors.
         for row in n_plain..element.rows {
             self.row(body, element, row, list, &mut corners)?;
             if let Some(index) = corners.iter().find(|i| **i < 0) {

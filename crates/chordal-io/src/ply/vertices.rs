@@ -163,6 +163,7 @@ impl PlyVertices {
                 PlyValueTarget::PositionId => push(&mut ids, value as i64),
                 PlyValueTarget::Stream(stream, k, divisor) => {
                     let Attribute { width, values, .. } = &mut streams[stream];
+                    // By index, since the properties of a stream may be declared in any order.
                     values[row * *width + k] = value / divisor;
                     Ok(())
                 }
@@ -184,6 +185,7 @@ impl PlyVertices {
                 for (i, values) in rows.values.chunks_exact(targets.len()).take(rows.ends.len()).enumerate() {
                     let position = axes.map(|i| values[i]);
                     if !limits.drop_nonfinite && position.iter().any(|x| !x.is_finite()) {
+                        // The loop below reads this row again, and reports where it is.
                         return Ok(i as u64);
                     }
                     make_room(&mut streams)?;

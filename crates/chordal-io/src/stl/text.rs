@@ -15,6 +15,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadErr
             reader.count_open(open.replace(reader.words.place()));
             let title = String::from_utf8_lossy(reader.words.rest_of_line()).into_owned();
             solids.begin(&title, reader.facets.len())?;
+            // With several solids, the titles are names of groups instead.
             name = if n_solids == 0 { title } else { String::new() };
             n_solids += 1;
         } else if is(word, "facet") {

@@ -106,6 +106,8 @@ impl<'a> NodeBuilder<'a> {
         let n = self.objects.len();
         let (mut is_open, mut is_done) = (vec![false; n], vec![false; n]);
         for root in 0..n as u32 {
+            // A stack of its own instead of recursion: a file may nest objects as deeply as it
+            // likes.
             let mut open = vec![(root, 0)];
             while let Some((object, next)) = open.pop() {
                 let i = object as usize;
@@ -115,6 +117,7 @@ impl<'a> NodeBuilder<'a> {
                 is_open[i] = true;
                 let (document, components, targets) = self.components(object);
                 if let (Some(component), Some(target)) = (components.get(next), targets.get(next)) {
+                    // Begun and not finished: the target is on the stack, above this object.
                     if is_open[*target as usize] && !is_done[*target as usize] {
                         let message = format!("object {} is a component of itself", component.object);
                         return Err(self.error(document, component.line, "component-cycle", message));
@@ -154,6 +157,8 @@ impl<'a> NodeBuilder<'a> {
         let most = COPIES + listed;
         let mut total = NodeCount::default();
         let mut shown = with_room(root.items.len())?;
+        // Counted before memory is reserved: components of components multiply, so a short file can
+        // mean billions of nodes.
         for item in &root.items {
             let object = self.object(0, item)?;
             let count = self.counts[object as usize];
@@ -191,6 +196,8 @@ impl<'a> NodeBuilder<'a> {
                     part,
                     ..Node::default()
                 });
+                // Reversed, since what is pushed last is placed first: nodes are in the order of
+                // the file.
                 for (component, target) in components.iter().zip(targets).rev() {
                     let (parent, document) = (node as u32, own as u32);
                     push(&mut open, OpenNode { object: *target, parent, document, reference: component })?;

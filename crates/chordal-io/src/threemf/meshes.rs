@@ -108,6 +108,7 @@ impl ModelMesh {
             let group = index(elements, "pid")?.unwrap_or(NOTHING);
             let without = self.faces.len() - self.properties.len();
             push_many(&mut self.properties, TriangleProperties::NONE, without)?;
+            // In 3MF `p1` alone stands for all three corners.
             let corners = [first, second.unwrap_or(first), third.unwrap_or(first)];
             push(&mut self.properties, TriangleProperties { group, corners })?;
         }

@@ -93,6 +93,7 @@ impl<'a> PropertyReader<'a> {
                 Some(PropertyGroup::Materials { first, colors: group_colors }) => {
                     let property = properties.corners[0];
                     begin(&mut materials, mesh.faces.len(), 0.0)?;
+                    // Group 0 is that of faces without a material.
                     materials[row] = f64::from(first + property) + 1.0;
                     begin(&mut colors, 12 * mesh.faces.len(), 1.0)?;
                     fill(&mut colors, row, [group_colors[property as usize]; 3]);

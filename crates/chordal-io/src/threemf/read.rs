@@ -46,6 +46,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let root = package.model(&mut set.warnings)?;
     set.document(&root, FileLocation::File);
     let mut documents = Vec::new();
+    // Models name further models while they are read, so the list grows.
     while documents.len() < set.documents.len() {
         let number = documents.len();
         let (name, place) = (set.documents[number].clone(), set.places[number].clone());

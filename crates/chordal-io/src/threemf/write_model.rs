@@ -165,6 +165,8 @@ impl<'a> ModelWriter<'a> {
         let mut numbers = vec![0; first_rows.len()];
         let (mut n_written, mut line) = (0_u32, Vec::new());
         for (row, first) in first_rows.iter().enumerate() {
+            // Triangles of 3MF are neighbours only by the numbers of their vertices, so rows that
+            // are tied become one.
             if *first as usize != row {
                 numbers[row] = numbers[*first as usize];
                 continue;

@@ -50,6 +50,8 @@ impl SceneProperties {
         for part in &scene.parts {
             let (materials, colors) = (materials_of(part), colors_of(part));
             let n_faces = part.mesh.faces().len();
+            // A material has one colour in 3MF, so a part keeps its materials only if they have the
+            // colours that earlier parts gave them.
             if let Some(materials) = materials
                 && let Some(own) = material_colors(part, materials, colors, names.is_some())
                 && own.iter().all(|(value, color)| agree(base_colors.get(value).copied().flatten(), *color))

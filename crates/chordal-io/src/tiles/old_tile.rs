@@ -94,6 +94,7 @@ fn composite(
         let inner = &bytes[at..];
         let place = start + at as u64;
         let inner = tile_bytes(inner, place, COMPOSITE_HEADER)?;
+        // At least the length of a header, so the loop goes on, and never beyond `bytes`.
         at += inner.len();
         if inner.starts_with(b"cmpt") {
             composite(inner, place, (limits, nested - 1), merge)?;

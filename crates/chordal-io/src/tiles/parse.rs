@@ -188,6 +188,8 @@ impl TilesetParser<'_> {
                 json.error("too-many-rows", format!("more tiles than the limit of {}", self.limits.rows))
             );
         }
+        // Before the children are read, so that the list is in the order in which `read.rs` walks
+        // the tree.
         push_large(&mut self.pending, UnresolvedTile::default())?;
         let (mut bounds, mut error) = (None, None);
         let (mut transform, mut extras, mut contents) = (None, None, Vec::new());

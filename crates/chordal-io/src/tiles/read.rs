@@ -166,6 +166,8 @@ impl TilesetReader<'_, '_> {
                 tilesets.extend(self.external(content, tile.geometric_error, &key)?);
             }
         }
+        // Only after the loop over the children: the list `pending` has no entries for tiles of
+        // other files, which were completed with their own.
         tile.children.extend(tilesets);
         if let Some(rule) = rule {
             let key = format!("{pointer}/implicitTiling/subtrees/uri");

@@ -154,6 +154,7 @@ pub(super) fn read(
     check_parents(&tiles, &contents, n)?;
     let mut first = 0;
     for level in 0..rule.subtree_levels {
+        // No overflow: `n_last` is greater still.
         let many = n.pow(level);
         let here = tiles.count(first, many);
         let depth = (at.level + level) as usize;

@@ -75,6 +75,7 @@ pub(super) fn curve(points: &[[f64; 3]], basis: UsdBasis, wrap: UsdWrap) -> Resu
             Curve::new((0..n_lines).map(line).collect(), ends)
         }
         UsdBasis::Bezier => {
+            // Three points for each piece: the fourth is the first of the next.
             let n_points = if is_closed { n } else { n - 1 };
             let cubic =
                 |i: usize| CurveSegment::Cubic(Bezier { control: [at(i), at(i + 1), at(i + 2), at(i + 3)] });

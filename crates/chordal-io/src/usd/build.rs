@@ -212,6 +212,8 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         }
         let LocalTransform { matrix, is_reset } = self.stage.transform(prim)?;
         context.world = if is_reset { matrix } else { product(&above.world, &matrix) };
+        // The node is taken before those of the children, and given back by `finish_node` if it
+        // shows nothing.
         let number = self.scene.nodes.len();
         let node = Node { name: self.stage.name(prim), matrix: matrix.into(), ..Node::default() };
         push_large(&mut self.scene.nodes, node)?;
@@ -357,6 +359,8 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             let places = ["xformOp", "material:binding", "visibility"];
             properties.iter().any(|property| !places.iter().any(|place| property.name.starts_with(place)))
         };
+        // The map is left out: it only says whose paths are meant, and differs for each reference
+        // to one mesh.
         let sources = prim.sources.iter().filter(has_geometry).copied();
         let key =
             MeshKey { sources: sources.map(|source| StageSource { map: 0, ..source }).collect(), materials };

@@ -313,6 +313,8 @@ impl UsdCageBuilder {
         }
         let sharp = list("creaseSharpnesses")?;
         let n_edges: usize = lengths.iter().map(|n| (*n as usize).saturating_sub(1)).sum();
+        // Only the count tells which of the two was meant; if both are the same, it is one for each
+        // crease.
         let is_by_edge = sharp.len() == n_edges && n_edges != lengths.len();
         if !is_by_edge && sharp.len() != lengths.len() {
             return Err(mismatch("creaseSharpnesses", sharp.len(), lengths.len()));
@@ -407,6 +409,7 @@ impl UsdCageBuilder {
             push_many(&mut values, 0.0, n_more)?;
             group(&kind, values);
         }
+        // The first name is that of no mesh. One mesh alone needs no group.
         if self.names.len() > 2 && !has_objects {
             group("o", self.meshes);
             polygons.groups.insert("o".to_owned(), self.names);

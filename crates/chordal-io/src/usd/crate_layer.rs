@@ -311,6 +311,7 @@ fn link(prims: &mut [UsdPrim], by_name: &[u32], tables: &CrateTables, bytes: &[u
             let Some(child) = by_name.get(at).copied().filter(|i| key(*i) == (parent, &*name)) else {
                 continue;
             };
+            // A name that is listed twice would close the list of siblings to a ring.
             if std::mem::replace(&mut is_linked[child as usize], true) {
                 continue;
             }

@@ -179,6 +179,8 @@ impl CrateTables {
         for _ in 0..n {
             let name = cursor.take(SECTION_NAME_BYTES)?;
             let end = name.iter().position(|b| *b == 0).unwrap_or(name.len());
+            // Tables say their own lengths, and every read is checked against the file, so the size
+            // is not needed.
             let (start, _size) = (cursor.u64()?, cursor.u64()?);
             sections.push((&name[..end], start));
         }
@@ -229,6 +231,7 @@ impl CrateTables {
         let mut at = number;
         loop {
             let path = self.paths.get(at as usize).filter(|path| path.is_known)?;
+            // The root is its own parent.
             if path.parent == at {
                 break;
             }
@@ -275,6 +278,10 @@ impl CrateTables {
         }
         let unknown = CratePath { parent: 0, token: 0, is_property: false, is_known: false };
         crate::grow::push_many(&mut self.paths, unknown, n_paths)?;
+        // The paths /, /A, /A.b and /B:
+        //
+        //      path   /    A    A.b   B
+        //      jump   -1   2    -2    -2
         // Siblings that are still to come, with their parents.
         let mut open: Vec<(usize, u32)> = Vec::new();
         let (mut at, mut parent) = (0, None);

@@ -290,6 +290,7 @@ impl MaterialReader<'_, '_, '_> {
             base = [color.scale[0], color.scale[1], color.scale[2]];
             pbr.insert("baseColorTexture".to_owned(), color.info.clone());
         }
+        // glTF has colour and opacity in one picture.
         let is_of_picture = match (&clear, &color) {
             (Some(clear), Some(color)) => clear.file == color.file && clear.channel == "a",
             _ => false,

@@ -104,6 +104,7 @@ impl<'a> UsdaScanner<'a> {
                 None => return Err(self.error("truncated", "a string has no end")),
                 Some(b'\\') => {
                     has_escapes = true;
+                    // Over the next byte, too: an escaped quote does not end the string.
                     at += 1;
                 }
                 Some(b'\n') if n == 1 => return Err(self.error("syntax", "a string has no end in its line")),

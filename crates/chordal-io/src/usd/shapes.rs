@@ -319,6 +319,8 @@ fn surface(stage: &UsdStage<'_, '_>, shape: &UsdShape) -> Result<Option<NurbsSur
     // A mirror turns a surface inside out; so does reversing a parameter.
     let is_left_handed = stage.word(prim, "orientation")?.is_some_and(|word| word == "leftHanded");
     let n_u = u.n_control();
+    // The mirrored parameter: points along u in reverse, and knots negated so that they ascend
+    // again. A wrong number of points is refused below.
     if is_left_handed != (determinant(&shape.world) < 0.0) && points.len() == n_u * v.n_control() {
         points.chunks_mut(n_u).for_each(<[_]>::reverse);
         weights.chunks_mut(n_u).for_each(<[_]>::reverse);

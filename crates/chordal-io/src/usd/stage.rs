@@ -135,6 +135,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
             let message = format!("{MOST_LAYERS} files of one shape are the limit");
             return Err(ReadError::new("too-many-files", FileLocation::File, message));
         }
+        // Remembered before it is read, so that a file that cannot be is tried and reported once.
         self.opened.insert(path.clone(), None);
         match self.files.read(&path) {
             Ok(bytes) => {
@@ -214,6 +215,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
 
     /// Adds a source and everything that its arcs add, the strongest first.
     fn expand(&mut self, source: StageSource, into: &mut StagePrim, depth: usize) -> Result<(), ReadError> {
+        // A prim that several arcs lead to has its opinions once, at its strongest place.
         if into.sources.iter().any(|known| [known.layer, known.prim] == [source.layer, source.prim]) {
             return Ok(());
         }
@@ -234,6 +236,8 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         let UsdArcs { references, payloads, inherits, specializes, .. } = arcs;
         let lists = (inherits.clone(), references.clone(), payloads.clone(), specializes.clone());
         let chosen = self.chosen_variants(arcs, into);
+        // In the order of strength, after the prim itself: inherited prims, variants, references,
+        // payloads, specialized prims.
         for path in lists.0 {
             self.follow(source, UsdReference { asset: "".into(), path }, into, depth)?;
         }
@@ -387,6 +391,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
             attribute.interpolation =
                 attribute.interpolation.or(more.and_then(|more| more.interpolation.as_deref()));
             attribute.element_size = attribute.element_size.or(more.and_then(|more| more.element_size));
+            // Weaker sources may still say how it is interpolated.
             if attribute.value.is_some() {
                 continue;
             }

@@ -169,6 +169,7 @@ fn inverse(m: &[f64; 16]) -> Option<[f64; 16]> {
         for k in 0..3 {
             out[4 * k + r] = row[k];
         }
+        // Subtracted from 0 instead of negated, so that a zero has no sign.
         out[12 + r] = 0.0 - ((row[0] * m[12] + row[1] * m[13]) + row[2] * m[14]);
     }
     out.iter().all(|x| x.is_finite()).then_some(out)

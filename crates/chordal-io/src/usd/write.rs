@@ -156,6 +156,7 @@ impl<'a> SceneWriter<'a> {
         let mut writer = UsdaWriter::new(out);
         header(&self.scene.frame, &self.root, certificate, &mut writer)?;
         let mut names = UsdNames::default();
+        // The scope of materials has this name.
         names.unique("Materials", "");
         let mut open = Vec::new();
         if self.is_wrapped {
@@ -166,6 +167,7 @@ impl<'a> SceneWriter<'a> {
             for node in self.scene.roots.iter().rev() {
                 open.push(WriteStep::Node(*node, path.clone()));
             }
+            // At the bottom of the stack, so that the root is closed last.
             open.insert(0, WriteStep::Close);
         } else {
             open.extend(self.scene.roots.iter().map(|root| WriteStep::Node(*root, String::new())));
@@ -241,6 +243,7 @@ impl<'a> SceneWriter<'a> {
             // Otherwise it would inherit the display name too.
             about = vec![format!("displayName = {}", quoted(shown)), format!("inherits = <{first}>")];
             writer.open("Mesh", name, &about)?;
+            // Without an order of its own, it would inherit the transform of the first mesh.
             if *node.matrix == IDENTITY {
                 writer.line("uniform token[] xformOpOrder = []")?;
             }

@@ -75,6 +75,7 @@ impl<'a> UsdMaterialWriter<'a> {
         let pbr = &material["pbrMetallicRoughness"];
         let base = numbers(&pbr["baseColorFactor"], [1.0; 4]);
         let mode = material["alphaMode"].as_str().unwrap_or("OPAQUE");
+        // glTF ignores the alpha of opaque materials.
         let opacity = if mode == "OPAQUE" { 1.0 } else { base[3] };
         let color = &pbr["baseColorTexture"];
         if color.is_object() {
@@ -93,6 +94,7 @@ impl<'a> UsdMaterialWriter<'a> {
             let cutoff = material["alphaCutoff"].as_f64().unwrap_or(0.5);
             writer.line(&format!("float inputs:opacityThreshold = {}", ShortestDecimal(cutoff)))?;
         }
+        // Written even if they are glTF's defaults, since those of USD are others.
         let metal = pbr["metallicFactor"].as_f64().unwrap_or(1.0);
         let rough = pbr["roughnessFactor"].as_f64().unwrap_or(1.0);
         let metal_rough = &pbr["metallicRoughnessTexture"];

@@ -54,6 +54,7 @@ impl<'a> UsdSubsets<'a> {
                 let material =
                     Some(number as usize - 1).filter(|at| kind == MATERIAL && *at < materials.names.len());
                 subsets.is_double_sided |= material.is_some_and(|at| materials.is_double_sided(at));
+                // Group 0 was counted as well, so a single group has all faces.
                 if n_groups == 1 && material.is_some() {
                     subsets.material_of_all = material;
                     continue;
@@ -84,6 +85,7 @@ impl<'a> UsdSubsets<'a> {
         if let Some(path) = self.material_of_all.and_then(|material| materials.path(material)) {
             writer.line(&format!("rel material:binding = <{path}>"))?;
         }
+        // A face has one number of each kind, so the subsets of a family never overlap.
         let mut families: Vec<&str> = Vec::new();
         for subset in &self.list {
             let family = if subset.material.is_some() { "materialBind" } else { subset.kind };
@@ -177,6 +179,8 @@ fn stream(
         (Semantic::TexCoord(1), 2) => ("texCoord2f[] primvars:st1".to_owned(), 2),
         _ => return Ok(()),
     };
+    // Rows at one position became one point, so values of vertices go to corners, by the index of
+    // the old row.
     let is_by_row = *domain == Domain::Vertex && is_split;
     let interpolation = match domain {
         Domain::Vertex if !is_split => "vertex",

@@ -154,6 +154,7 @@ fn collect<T: Copy>(
 ) -> Result<Vec<T>, ReadError> {
     let width = layout.element.width();
     let run = layout.inner * width as u64;
+    // Each of the `outer` rounds has one run of every volume, of which one is kept.
     let (before, after) = (layout.index * run, (layout.of - 1 - layout.index) * run);
     let declared = layout.outer * layout.of * run;
     // Plain bytes can be counted in advance, packed ones only as they are unpacked.

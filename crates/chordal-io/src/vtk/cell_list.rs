@@ -93,6 +93,11 @@ impl<'a> CellList<'a> {
     fn end(&mut self) -> Result<usize, ReadError> {
         let row = self.row as usize;
         let n = self.points.len();
+        // The cells a b c and d e f g in the three forms:
+        //
+        //      counted   3 a b c 4 d e f g
+        //      ends      a b c d e f g       3 7
+        //      starts    a b c d e f g       0 3 7
         let end = match &self.ends {
             CellEnds::Counted if self.at < n => {
                 let count = self.points.integer(self.at);

@@ -250,6 +250,7 @@ impl<'a> ArrayDecoder<'a> {
             None => {
                 let n = self.size(&mut stream)?;
                 self.expect(array, n, wanted)?;
+                // Charged by the bytes that are there, whatever the header claims.
                 self.spend(array, n.min(stream.n_left()))?;
                 stream.take(n)?
             }
@@ -262,6 +263,8 @@ impl<'a> ArrayDecoder<'a> {
         if wanted.is_some() && matches!(array.source, ArraySource::Base64(..)) && !stream.is_blank() {
             return Err(self.error(array, "trailing-bytes", "it has more bytes than its values"));
         }
+        // Each appended byte belongs to one array, or a small file could be decoded as often as it
+        // names itself.
         if let ArraySource::Appended(_) = &array.source {
             match self.left_appended.checked_sub(stream.n_taken()) {
                 Some(left) => self.left_appended = left,

@@ -77,6 +77,7 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
             return match (arrays, singles.as_slice()) {
                 ([], _) => Err(document.error(first.at, "no-samples", "the piece has no arrays")),
                 (_, [one]) => Ok(one),
+                // The caller's check of its type says why it is not read.
                 ([first, ..], []) => Ok(first),
                 (_, all) => {
                     let message =
@@ -156,6 +157,7 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
         let width = self.kind.width();
         let gap =
             || document.error(document.image.at, "bad-extent", "the pieces do not fill the whole extent");
+        // Before memory is taken. Enough samples may still leave gaps, since pieces may overlap.
         let n_present: usize = pieces.iter().map(|(_, bytes)| bytes.len() / width).sum();
         // The size was checked before.
         let [n_x, n_y, n_z] = full.size.map(|n| n as usize);

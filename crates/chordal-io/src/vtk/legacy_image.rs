@@ -36,6 +36,7 @@ pub(super) fn read(mut reader: LegacyReader<'_>, limits: &Limits) -> Result<Read
     // Arrays are read twice, for their names and for their numbers, so that only one is in memory at a time.
     let mut candidates = Vec::new();
     let mut scalars = None;
+    // Warnings are those of the second pass, or each would count twice.
     let first = reader.clone();
     lattice.each_array(first, &mut Warnings::default(), &mut scalars, &mut |array, is_of_cells| {
         if array.width == 1 {

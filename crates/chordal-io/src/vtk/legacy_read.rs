@@ -139,6 +139,7 @@ impl<'a> LegacyGeometry<'a> {
                 break;
             }
             reader.next();
+            // VTK's numbers of the types of cells; those of a grid are in a list of their own.
             let kind = match &*keyword {
                 "vertices" => Some(2),
                 "lines" => Some(4),

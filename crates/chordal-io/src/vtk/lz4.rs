@@ -37,6 +37,7 @@ pub(super) fn unpack(
         push_many(out, 0, n)?;
         out[start..].copy_from_slice(literals);
         at += n;
+        // Only the last sequence has no match.
         if at == packed.len() {
             return Ok(());
         }

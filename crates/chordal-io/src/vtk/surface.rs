@@ -110,7 +110,9 @@ impl VtkSurface {
         scope.counts.n_surface += 1;
         match shape {
             CellShape::Strip => return self.strip(corners, scope.cell),
+            // The corners of a pixel run row by row, not around it.
             CellShape::Pixel if corners.len() == 4 => corners.swap(2, 3),
+            // Corners come first, then the points on curved edges, which are left out.
             CellShape::Curved(n) => corners.truncate(n),
             CellShape::CurvedHalf => corners.truncate(corners.len() / 2),
             _ => {}

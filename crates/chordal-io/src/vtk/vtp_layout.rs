@@ -69,6 +69,7 @@ impl VtpLayout {
                 "<FieldData><Array type=\"String\" Name=\"{CERTIFICATE}\" NumberOfTuples=\"1\" format=\"appended\" \
                  offset=\"0\"/></FieldData>"
             )?;
+            // A byte of 0 ends the string.
             offset = LENGTH_BYTES + certificate.len() as u64 + 1;
         }
         writeln!(
@@ -98,6 +99,7 @@ impl VtpLayout {
             }
             writeln!(out, "</{element}>")?;
         }
+        // Offsets count from the byte after the underscore.
         write!(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_")?;
         if let Some(certificate) = &self.certificate {
             out.write_all(&(certificate.len() as u64 + 1).to_le_bytes())?;

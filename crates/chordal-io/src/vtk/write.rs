@@ -127,8 +127,8 @@ fn write_ids(meshes: &[Cow<'_, Mesh>], index: &str, out: &mut impl Write) -> Res
 
 /// The roles of arrays (normals, texture coordinates, colours), which viewers use.
 fn active(streams: &[VtpStream]) -> String {
-    let named = |is_it: fn(&Semantic) -> bool, attribute: &str| {
-        let stream = streams.iter().find(|s| s.domain == Domain::Vertex && is_it(&s.semantic));
+    let named = |is_meant: fn(&Semantic) -> bool, attribute: &str| {
+        let stream = streams.iter().find(|s| s.domain == Domain::Vertex && is_meant(&s.semantic));
         stream.map_or(String::new(), |stream| format!(" {attribute}=\"{}\"", escaped(&stream.name)))
     };
     named(|s| matches!(s, Semantic::Color(_)), "Scalars")
@@ -156,8 +156,8 @@ impl VtpStream {
             let Attribute { semantic, domain, width, values } = attribute;
             let is_color = matches!(semantic, Semantic::Color(_));
             let is_bytes = is_color && values.iter().all(|x| byte(*x).is_some());
-            let is_it = |s: &&mut Self| (&s.semantic, s.domain, s.width) == (semantic, *domain, *width);
-            if let Some(known) = streams.iter_mut().find(is_it) {
+            let is_same = |s: &&mut Self| (&s.semantic, s.domain, s.width) == (semantic, *domain, *width);
+            if let Some(known) = streams.iter_mut().find(is_same) {
                 known.is_bytes &= is_bytes;
                 continue;
             }
@@ -169,8 +169,8 @@ impl VtpStream {
                 Semantic::Custom(name) | Semantic::Group(name) | Semantic::Blended(name) => name.clone(),
             };
             let is_taken = |name: &str| {
-                let is_it = |s: &Self| s.domain == *domain && s.name == name;
-                name == POSITION_ID || streams.iter().any(is_it)
+                let has_name = |s: &Self| s.domain == *domain && s.name == name;
+                name == POSITION_ID || streams.iter().any(has_name)
             };
             let mut name = plain.clone();
             let mut again = 1;
@@ -200,10 +200,10 @@ impl VtpStream {
         let missing = if matches!(self.semantic, Semantic::Color(_)) { 1.0 } else { 0.0 };
         let mut row = Vec::new();
         for mesh in meshes {
-            let is_it = |a: &&Attribute| {
+            let is_same = |a: &&Attribute| {
                 (&a.semantic, a.domain, a.width) == (&self.semantic, self.domain, self.width)
             };
-            let attribute = mesh.attributes().iter().find(is_it);
+            let attribute = mesh.attributes().iter().find(is_same);
             let n_rows =
                 if self.domain == Domain::Vertex { mesh.positions().len() } else { mesh.faces().len() };
             for i in 0..n_rows {

@@ -107,8 +107,8 @@ impl<'a> VtkPiece<'a> {
 
     /// The first array of a section, or the one with a name.
     pub(super) fn array(&self, section: PieceSection, name: Option<&str>) -> Option<&DataArray<'a>> {
-        let is_it = |array: &DataArray| name.is_none_or(|name| array.name == name);
-        self.arrays.iter().find(|(of, array)| *of == section && is_it(array)).map(|(_, array)| array)
+        let is_named = |array: &DataArray| name.is_none_or(|name| array.name == name);
+        self.arrays.iter().find(|(of, array)| *of == section && is_named(array)).map(|(_, array)| array)
     }
 }
 

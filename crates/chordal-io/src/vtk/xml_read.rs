@@ -86,6 +86,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
     fn piece(&mut self, piece: &'d VtkPiece<'a>, counts: &mut CellCounts) -> Result<Part, ReadError> {
         let positions = self.positions(piece)?;
         let mut surface = VtkSurface::default();
+        // Out of `self` meanwhile: the scope borrows them while `self` decodes arrays.
         let mut warnings = std::mem::take(&mut self.warnings);
         let mut scope = CellScope {
             n_points: positions.len(),
@@ -103,6 +104,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
         let n_cells = scope.cell as usize;
         self.warnings = warnings;
         surface.count_strips(&mut self.warnings);
+        // The count goes on over all pieces, so that many small ones cannot exceed the limit.
         let mut attributes = VtkAttributes { n_spread: self.n_spread, ..VtkAttributes::default() };
         for (section, array) in &piece.arrays {
             let rows = match section {

@@ -78,6 +78,7 @@ impl<'a> GltfLint<'a> {
     ) -> Option<Box<[f64]>> {
         let length = kind.n_components();
         if component == ComponentType::F32 {
+            // The rows are single-precision numbers, and the bounds are compared with them exactly.
             let bounds = self.numbers(map, key, length, ANY)?;
             return Some(bounds.into_iter().map(|x| f64::from(x as f32)).collect());
         }
@@ -192,6 +193,8 @@ impl<'a> GltfLint<'a> {
         }
         let size = format.component.size();
         let row = size * format.kind.n_components() as u64;
+        // Alignment and bytes of a row: indices have one number, values as many as the accessor,
+        // each aligned.
         let index = sparse.index_component.map(|component| (component.size(), component.size()));
         let runs = [
             ("indices", sparse.index_view, sparse.index_offset, index),

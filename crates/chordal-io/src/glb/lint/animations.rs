@@ -217,6 +217,8 @@ impl<'a> GltfLint<'a> {
             }
             _ => 1,
         };
+        // A value of a cubic spline stands between two tangents. 0 if the number of targets is not
+        // known.
         let expected = times.saturating_mul(if cubic { 3 } else { 1 }).saturating_mul(per_time);
         if expected != 0 && expected != count {
             let what = format!("{expected} outputs are needed, the accessor has {count}");

@@ -28,6 +28,8 @@ impl<'a> GltfLint<'a> {
             if accessor.view.is_none() && accessor.sparse.is_none() {
                 continue;
             }
+            // Only rows in single precision can hold NaN or infinities, so others are read only if
+            // something is claimed about them.
             let asks = accessor.min.is_some() || accessor.max.is_some() || !accessor_constraints.is_empty();
             if !asks && accessor.component != Some(ComponentType::F32) && accessor.sparse.is_none() {
                 continue;
@@ -73,6 +75,8 @@ impl<'a> GltfLint<'a> {
         let mut greatest = vec![f64::NEG_INFINITY; n];
         let mut not_finite = None;
         rows.each_block(|first, numbers| {
+            // Without an early exit, many numbers are checked at once; the place is looked up only
+            // if it is needed.
             let are_finite = numbers.iter().fold(true, |all, x| all & x.is_finite());
             if !are_finite && not_finite.is_none() {
                 let position = numbers.iter().position(|x| !x.is_finite());

@@ -94,6 +94,7 @@ impl<'a> GltfLint<'a> {
                             "the extension is not in extensionsUsed",
                         );
                     }
+                    // Declared but not known: nothing inside it can be checked.
                     None => {}
                     Some((_, places)) if !places.contains(&at) => {
                         lint.issue_below(
@@ -211,6 +212,7 @@ impl<'a> GltfLint<'a> {
             }
             "KHR_materials_dispersion" => &[("dispersion", NumberRule::AT_LEAST_0)],
             "KHR_materials_emissive_strength" => &[("emissiveStrength", NumberRule::AT_LEAST_0)],
+            // Below 1 only 0 is allowed, which the extension gives a meaning of its own.
             "KHR_materials_ior" => &[("ior", NumberRule { except: Some(0.0), ..above_1 })],
             "KHR_materials_iridescence" => &[
                 ("iridescenceFactor", NumberRule::UNIT),

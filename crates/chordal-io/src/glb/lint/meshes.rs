@@ -126,6 +126,7 @@ impl<'a> GltfLint<'a> {
             }
         }
         let counts = [0, 1, 2, 3].map(|i| {
+            // Without gaps, the highest number is one less than the count.
             let expected = sets[i].highest.map_or(0, |n| n.saturating_add(1));
             if expected != sets[i].count {
                 self.issue("MESH_PRIMITIVE_INDEXED_SEMANTIC_CONTINUITY", None, || {
@@ -325,6 +326,8 @@ impl<'a> GltfLint<'a> {
             _ => {}
         }
         let view = item(&model.views, accessor.view);
+        // Without a stride, row follows row, so that rows of, for example, six bytes begin at odd
+        // places.
         let loose = view.is_some_and(|view| view.stride.is_none());
         let ragged = accessor.format().is_some_and(|format| format.row_length() % 4 != 0);
         if accessor.offset.is_some_and(|offset| offset % 4 != 0) || (ragged && loose) {
@@ -334,6 +337,7 @@ impl<'a> GltfLint<'a> {
                 "vertices begin at multiples of 4 bytes",
             );
         }
+        // Two accessors of vertices may share a view only if it says its stride.
         if let (true, Some(view)) = (loose, accessor.view) {
             self.read_vertices(uses, view, index, name);
         }

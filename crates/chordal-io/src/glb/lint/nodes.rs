@@ -113,6 +113,7 @@ impl<'a> GltfLint<'a> {
         for i in nodes_on_cycles(&parent) {
             self.within("nodes", |lint| lint.issue_below("NODE_LOOP", i, "the node is its own ancestor"));
         }
+        // After all nodes, since any of them may be the parent.
         for (s, scene) in model.scenes.iter().enumerate() {
             let nodes = scene.iter().flat_map(|scene| scene.nodes.iter().flatten());
             for (k, node) in nodes.enumerate() {

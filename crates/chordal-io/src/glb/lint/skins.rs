@@ -50,10 +50,13 @@ impl NodeForest {
                 }
             }
         }
+        // Nodes on a cycle are below no root, so the walk did not reach them.
         if number < n {
             return None;
         }
         let mut step: Vec<usize> = (0..n).map(|i| forest.parent[i].unwrap_or(i)).collect();
+        // `step` leads 2ᵏ nodes up, a root to itself; no node is deeper than `n`, so more tables
+        // are not needed.
         while n >> forest.up.len() > 0 {
             let twice = step.iter().map(|above| step[*above]).collect();
             forest.up.push(std::mem::replace(&mut step, twice));

@@ -123,6 +123,12 @@ pub(super) fn triangles(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<
     let (edges, vertices) = (RecentItems::new(), RecentItems::new());
     let mut decoder = TriangleDecoder { data, next: 0, last: 0, edges, vertices };
     for code in codes {
+        // The codes of a triangle, by their two digits:
+        //
+        //      0X … EX   a recent edge of this age; X encodes the third corner
+        //      F0 … FD   a new vertex; the others as the table says
+        //      FE        a new vertex; a code for the others follows
+        //      FF        a stored index; a code for the others follows
         let (high, low) = (code >> 4, code & 15);
         let corners = match (high, low) {
             (0..15, _) => decoder.on_edge(version, high, low)?,

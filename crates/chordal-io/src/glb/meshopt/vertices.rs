@@ -74,6 +74,7 @@ pub(super) fn decode(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<(),
     let n_tail = |version: u8| stride + if version == 0 { 0 } else { n_channels };
     let padded = |version: u8| n_tail(version).max(LEAST_TAIL[usize::from(version)]);
     let (version, body, tail) = split(stream, 0xA0, padded)?;
+    // A short tail is padded at its start, so the end is what counts.
     let (first_row, modes) = tail[tail.len() - n_tail(version)..].split_at(stride);
     let mut row = first_row.to_vec();
     let modes = if version == 0 {
@@ -89,6 +90,7 @@ pub(super) fn decode(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<(),
         for (channel, mode) in modes.iter().enumerate() {
             let mut deltas: [BlockDeltas; 4] = [[0; BLOCK_ROWS]; 4];
             for (k, deltas) in deltas.iter_mut().enumerate() {
+                // Two bits of the channel's control byte for each of its four bytes.
                 let control = controls.map(|controls| controls[channel] >> (2 * k) & 3);
                 read_deltas(&mut packed, control, &mut deltas[..n.next_multiple_of(GROUP)], n)?;
             }
@@ -98,6 +100,7 @@ pub(super) fn decode(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<(),
                 last = mode.next(last, deltas.each_ref().map(|deltas| deltas[i]));
                 row[at..at + 4].copy_from_slice(&last);
             }
+            // The next block continues with differences to this row.
             row[at..at + 4].copy_from_slice(&last);
         }
     }

@@ -89,6 +89,7 @@ impl TriangleEncoder<'_> {
         let follows = a == self.next;
         self.next = self.next.wrapping_add(u32::from(follows));
         let mut kinds = [0; 2];
+        // In the order of the decoder: a new `b` takes `next` before `c` is compared with it.
         for (kind, v) in kinds.iter_mut().zip([b, c]) {
             *kind = match self.vertices.age(v, 14) {
                 _ if v == self.next => {
@@ -115,9 +116,12 @@ impl TriangleEncoder<'_> {
             let stored = [b, c].into_iter().zip(kinds).filter(|(_, kind)| *kind == STORED);
             stored.for_each(|(v, _)| self.put_index(v));
         }
+        // The same pushes in the same order as the decoder's, or ages would mean different items
+        // there.
         self.vertices.push(a);
         let new = [b, c].into_iter().zip(kinds).filter(|(_, kind)| *kind == 0 || *kind == STORED);
         new.for_each(|(v, _)| self.vertices.push(v));
+        // Reversed, since the triangle on the other side runs along its edge the other way.
         [[b, a], [c, b], [a, c]].into_iter().for_each(|edge| self.edges.push(edge));
         match place {
             Some(place) => 0xF0 | place as u8,

@@ -32,6 +32,7 @@ impl PartDraft<'_> {
             let faces = self.faces.iter().zip(&is_flat).filter(|(_, is_flat)| **is_flat == flat);
             faces.for_each(|(face, _)| face.iter().for_each(|row| stays[*row as usize] = !flat));
         };
+        // In this order, so that a vertex of a flat face stays if another face uses it too.
         mark(true);
         mark(false);
         let rows: Vec<u32> = {
