@@ -168,6 +168,7 @@ def steps_of(spacing: Any, origin: Any, affine: Any) -> Any:
             raise ValueError("affine: 3 × 4, or 4 × 4 with a last row of 0, 0, 0, 1")
         if np.linalg.matrix_rank(rows[:3, :3]) < 3:
             raise ValueError("affine: its three steps lie in a plane")
+        # The columns of the matrix are the steps and the origin.
         return rows[:3].T
     step = coordinates("spacing", 1.0 if spacing is None else spacing)
     if step.shape not in ((), (3,)):

@@ -29,6 +29,7 @@ def coordinates(name: str, value: ArrayLike) -> NDArray[np.float64]:
     original = np.array(array, order="C", copy=True, subok=False)
     copied: NDArray[np.float64] = original.astype(np.float64, order="C", copy=False)
     if _can_lose(original.dtype):
+        # What double precision holds comes back from it unchanged.
         with np.errstate(invalid="ignore"):
             same = np.array_equal(copied.astype(original.dtype), original, equal_nan=original.dtype.kind == "f")
         if not same:

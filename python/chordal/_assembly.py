@@ -145,6 +145,7 @@ class _Assembly:
         for matrix in _matrices(placed.at):
             children = self.nodes_of(placed.what, "" if is_group else name, material)
             # A node that already has a matrix gets a parent with the new one.
+            # What is no group has a single node.
             is_free = not is_group and self._nodes[children[0]]["matrix"] == _IDENTITY
             node = children[0] if is_free else self._node(name, children)
             self._nodes[node]["matrix"] = matrix
@@ -173,6 +174,7 @@ class _Assembly:
         if only is not None and only["part"] is not None and only["matrix"] == _IDENTITY and not only["properties"]:
             node = self._node(name or only["name"], [], added.parts[only["part"]])
         else:
+            # The mesh's nodes are appended in their order, so all their numbers move by `first`.
             first = len(self._nodes)
             for own_node in own_nodes:
                 part = None if own_node["part"] is None else added.parts[own_node["part"]]
@@ -192,6 +194,7 @@ class _Assembly:
         override = None if material is None else self.assets.number_of(material)
         # Group 0 of each kind means "no group", and its name is empty.
         offsets = {kind: len(self._groups.get(kind, [""])) - 1 for kind in facts["groups"]}
+        # Face groups that name materials move by the number of materials that are there already.
         offsets["material"] = self.assets.add(facts["assets"], blocks, names) if override is None else 0
         for kind, own_names in facts["groups"].items():
             self._groups.setdefault(kind, [""]).extend(own_names[1:])
@@ -329,6 +332,7 @@ def _matrices(at: Any) -> list[list[float]]:
     if at is None:
         return [_IDENTITY]
     places = coordinates("at", at)
+    # A 3 × 3 array is three vectors here, never a matrix.
     if places.shape[-1:] == (3,) and places.ndim in (1, 2):
         translations = np.tile(np.eye(4), (places.size // 3, 1, 1))
         translations[:, :3, 3] = places.reshape(-1, 3)

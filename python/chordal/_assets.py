@@ -33,6 +33,8 @@ class Assets:
         """
         n_materials, n_textures = len(self.materials), len(self._textures)
         n_samplers, n_images = len(self._samplers), len(self._images)
+        # The first name is that of no group. Groups beyond the file's materials have names only, so each gets a material
+        # without looks.
         added = facts["materials"] + [{"name": name} for name in names[1 + len(facts["materials"]) :]]
         for material in added:
             for texture in _textures_in(material):

@@ -72,6 +72,7 @@ def batch(
         if unknown is not None:
             raise ValueError(f"options: {verb} has no {unknown[1]!r}: {_meant_option(verb, unknown[1])}")
         raise Error(message)
+    # A file that was done again has a further line, and the last one counts.
     last: dict[str, dict[str, Any]] = {}
     with open(manifest, encoding="utf-8") as lines:
         for line in lines:

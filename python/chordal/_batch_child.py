@@ -24,6 +24,8 @@ def main() -> NoReturn:
     library, *words = sys.argv[1:]
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     if stat.S_ISFIFO(os.fstat(0).st_mode):
+        # The pipe is watched through `held`; the command gets an empty stdin in its place, so that it cannot read from the
+        # pipe.
         held = os.dup(0)
         empty = os.open(os.devnull, os.O_RDONLY)
         os.dup2(empty, 0)

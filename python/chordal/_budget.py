@@ -65,6 +65,7 @@ def length_in(name: str, value: Length, unit: str | None) -> float:
     match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-z]*)\s*", value)
     try:
         count = Decimal(match[1]) if match else None
+    # Decimal raises this for texts that only look like numbers, such as "1e".
     except ArithmeticError:
         count = None
     if match is None or count is None or match[2] not in ("", *VOLUME_METRES):
@@ -73,6 +74,7 @@ def length_in(name: str, value: Length, unit: str | None) -> float:
         return float(count)
     if unit is None:
         raise BudgetError(f"{name}: nothing says the unit of the volume, which {value!r} needs: unit=\"mm\" does")
+    # Exact fractions, rounded once at the end.
     return float(Fraction(count) * VOLUME_METRES[match[2]] / VOLUME_METRES[unit])
 
 

@@ -163,9 +163,12 @@ def _without_nothing(
     """The same combination without empty meshes, as differences may be: they count as the empty solid."""
     remaining: list[tuple[str, Combinable]] = []
     for operation, other in steps:
+        # Nothing, where it comes second: an intersection with it is nothing, whatever came before; a union or difference
+        # changes nothing.
         if _is_nothing(other):
             if operation == "intersection":
                 first, remaining = other, []
+        # Nothing, so far: only a union has anything in it.
         elif _is_nothing(first):
             first = other if operation == "union" else first
         else:

@@ -15,6 +15,7 @@ def firsts_of(rows: NDArray[np.float64]) -> NDArray[np.int64]:
     """For each row, the index of the first row with the same numbers; 0.0 and -0.0 are equal."""
     import numpy as np
 
+    # Rows are compared as bytes, in which 0.0 and -0.0 differ; adding 0.0 leaves only 0.0.
     flat = np.ascontiguousarray(rows + 0.0)
     keys = flat.view(np.dtype((np.void, flat.dtype.itemsize * flat.shape[1]))).ravel()
     _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)

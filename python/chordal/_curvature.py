@@ -72,6 +72,7 @@ def _inner(corners: NDArray[Any], n: int) -> Any:
 
     ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2).astype(np.int64)
     low, high = ends.min(axis=1), ends.max(axis=1)
+    # The lower end comes first, so both faces of an edge give it one number.
     _, edge, count = np.unique(low * n + high, return_inverse=True, return_counts=True)
     is_open = count[edge.ravel()] != 2  # two faces an edge: a surface without a border there
     inner = np.zeros(n, dtype=bool)

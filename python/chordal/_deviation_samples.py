@@ -36,6 +36,7 @@ def sampled_deviation(mesh: Mesh, distances: Any) -> SampledDeviation:
     import numpy as np
 
     n_parts = int(np.clip(np.sqrt(_MOST_DRAWN / max(len(mesh.faces), 1)), 1, _MOST_PARTS))
+    # Too many triangles to divide them: each gets one value, the largest of its corners, its middle and those of its edges.
     if n_parts == 1:
         barycentric = np.vstack([_lattice(2)[0], np.full((1, 3), 1 / 3)])
         largest = np.abs(distances(_interpolated(mesh.vertices[mesh.faces], barycentric))).max(axis=1)
@@ -56,6 +57,7 @@ def _assembled(mesh: Mesh, barycentric: NDArray[Any], rows: NDArray[Any], values
     import numpy as np
 
     normals = mesh._vertex_rows("normal")
+    # No two triangles share a sample, as values may differ on either side of an edge.
     firsts = len(barycentric) * np.arange(len(mesh.faces))
     return SampledDeviation(
         vertices=_interpolated(mesh.vertices[mesh.faces], barycentric).reshape(-1, 3),
@@ -73,6 +75,9 @@ def _lattice(n_parts: int) -> tuple[NDArray[Any], NDArray[Any]]:
     number = {place: k for k, place in enumerate(places)}
     rows = []
     for i, j in places:
+        #        (i, j+1) --- (i+1, j+1)
+        #           |     \     |          an upright triangle at each place, and one upside down
+        #         (i, j) --- (i+1, j)      beside it, unless the place is at the far side
         if i + j < n_parts:
             rows.append([number[i, j], number[i + 1, j], number[i, j + 1]])
         if i + j < n_parts - 1:

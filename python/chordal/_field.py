@@ -145,6 +145,7 @@ class Formula(Remakeable):
         if isinstance(exponent, bool) or not isinstance(exponent, Real):
             return NotImplemented
         exponent = float(exponent)
+        # Still a formula, which the number 1 would not be.
         if exponent == 0:
             return self * 0 + 1
         if exponent == 0.5:
@@ -281,6 +282,7 @@ class Field(Shape):
         """The same shape; meshes and other results of it are cut off at a box."""
         least, most = _box("box", (low, high))
         region = _chordal.region_of(self._source)
+        # Boxes of repeated calls are intersected: a second one does not undo the first.
         if region is not None:
             least = [max(a, b) for a, b in zip(least, region[0], strict=True)]
             most = [min(a, b) for a, b in zip(most, region[1], strict=True)]

@@ -29,6 +29,7 @@ def shown(path: Path) -> str:
 def read(path: Path) -> bytes:
     """All bytes of a file. Anything but a regular file is refused before it is opened: a pipe would wait for its other end."""
     _refuse_irregular(os.stat(path), path)
+    # The path may be another file by now; opening a pipe must not wait for its other end.
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     with open(os.open(path, flags), "rb") as file:
         before = os.fstat(file.fileno())
@@ -45,6 +46,7 @@ def read(path: Path) -> bytes:
 
 def read_open(file: Readable) -> tuple[str | None, bytes]:
     """The remaining bytes of an open binary file, and its name, if it has one."""
+    # One byte more than the limit tells a file that is too large.
     content = file.read(_chordal.MOST_BYTES + 1)
     if not isinstance(content, (bytes, bytearray, memoryview)):
         kind = type(content).__name__
@@ -66,6 +68,7 @@ def slices_of(folder: Path) -> tuple[str, bytes]:
         message = f"{os.strerror(errno.EISDIR)}: of folders those with slices of DICOM are read, and this has none"
         raise IsADirectoryError(errno.EISDIR, message, shown(folder))
     # The first line is defined by `dicom::slice_list`.
+    # The list has a name a line, so names with line breaks are left out.
     lines = ["#dicom-slices", *sorted(name for name in names if "\n" not in name and "\r" not in name), ""]
     return shown(os.path.join(path, "slices")), "\n".join(lines).encode()
 
@@ -95,11 +98,13 @@ def refuse_irregular_target(target: str, path: Path) -> None:
 
 def replace(path: Path, content: bytes) -> None:
     """Replace a file atomically: the content is written to a temporary file, synced and renamed, so that no reader sees a part."""
+    # A link stays, and the file that it leads to is replaced.
     target = os.path.realpath(path)
     refuse_irregular_target(target, path)
     folder = os.path.dirname(target)
     if not os.path.isdir(folder):
         raise FileNotFoundError(errno.ENOENT, "there is no such folder to write into", shown(folder))
+    # In the same folder, since renaming is atomic only within a file system.
     aside = os.path.join(os.path.dirname(target), f".chordal-{secrets.token_hex(8)}.tmp")
     try:
         with open(aside, "xb") as file:

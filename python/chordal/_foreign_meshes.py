@@ -159,6 +159,7 @@ def _of_meshio(thing: Any) -> dict[str, Any]:
     for quads in (np.asarray(cells["quad"]),) if "quad" in cells else ():
         rows += [quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     points = np.asarray(thing.points)
+    # Points of the plane get z = 0.
     flat = np.zeros((len(points), 3 - points.shape[1]))
     arrays: dict[str, Any] = {"vertices": np.hstack([points, flat]), "faces": np.concatenate(rows)}
     for name, width in (("normals", (3,)), ("uv", (2,)), ("colors", (3, 4))):

@@ -34,6 +34,7 @@ def try_at_points(function: Callable[..., Any], box: Sequence[Sequence[float]] |
         raise TypeError(
             f"what: a function of one array of points, n × 3, as in lambda p: p[:, 0] ** 2 + p[:, 1] ** 2 - 1: {error}"
         ) from None
+    # Some compiled functions do not tell their parameters.
     except ValueError:
         pass
     low, high = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)) if box is None else box
@@ -47,6 +48,7 @@ def try_at_points(function: Callable[..., Any], box: Sequence[Sequence[float]] |
         if wants_tensors(function, points):
             message = str(error).splitlines()[0]
             raise TypeError(f"what: {message}; with like=torch.empty(0), say, it is called with tensors like that one") from error
+        # Left to the calls that mesh the shape, which report it.
         return
     if shape not in ((2,), (2, 1)):
         raise ValueError(

@@ -44,7 +44,9 @@ def slice_to_png(samples: NDArray[Any]) -> bytes:
     """A layer of samples as an image, with x to the right and y up, from the lowest value in black to the highest in white."""
     import numpy as np
 
+    # Rounded up: at most MOST_SAMPLES along either side.
     step = -(-max(samples.shape) // MOST_SAMPLES)
+    # An image has its rows from the top down, each along x; the array has x first.
     layer: NDArray[np.float64] = np.nan_to_num(samples[::step, ::step].T[::-1].astype(np.float64), posinf=0.0, neginf=0.0)
     low, high = float(layer.min()), float(layer.max())
     # Computed with halves, since the difference of the largest doubles overflows.

@@ -67,8 +67,10 @@ def _of_simpleitk(image: Any) -> Lattice:
 
     array = SimpleITK.GetArrayViewFromImage(image)
     affine = np.eye(4)
+    # The columns of the matrix are directions of unit length; each is multiplied by its spacing.
     affine[:3, :3] = np.reshape(image.GetDirection(), (3, 3)) * np.asarray(image.GetSpacing())
     affine[:3, 3] = image.GetOrigin()
+    # Arrays of SimpleITK have z first.
     return Lattice(array.transpose(2, 1, 0), affine, "mm")
 
 
@@ -167,6 +169,7 @@ class Imaged:
         SimpleITK = import_module("SimpleITK")
 
         steps = self.affine[:3, :3]
+        # The other way round: the length of each column is the spacing.
         spacing = np.linalg.norm(steps, axis=0)
         direction = steps / spacing
         if not np.allclose(direction.T @ direction, np.eye(3), atol=1e-6):

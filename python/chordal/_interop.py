@@ -71,6 +71,7 @@ class Interoperable:
         if uv is not None or material is not None:
             rows = np.zeros((len(self.vertices), 2)) if uv is None else np.array(uv)
             visual = trimesh.visual.TextureVisuals(uv=rows, material=material)
+        # trimesh has colours of vertices or a texture, not both.
         result = trimesh.Trimesh(
             vertices=np.array(self.vertices),
             faces=self.faces.astype(np.int64),
@@ -118,6 +119,7 @@ class Interoperable:
             result.vertex_normals = open3d.utility.Vector3dVector(np.array(normals))
         if colors is not None:
             result.vertex_colors = open3d.utility.Vector3dVector(np.array(colors[:, :3]))
+        # Open3D has texture coordinates of corners.
         if uv is not None:
             result.triangle_uvs = open3d.utility.Vector2dVector(np.array(uv)[self.faces.ravel()])
         self._warn_of_loss(["alpha of colours"] if colors is not None and colors.shape[1] == 4 and np.any(colors[:, 3] != 1) else [])

@@ -41,6 +41,7 @@ def looks_of(mesh: Mesh) -> Looks:
     colors = mesh._vertex_rows("color")
     if colors is not None:
         return Looks(colors=colors[:, :3])
+    # Without colours of their own, several parts are told apart by hues.
     if len(parts) < 2:
         return Looks()
     paints = tuple(_hex(colorsys.hls_to_rgb(k * _STEP % 1, 0.62, 0.5)) for k in range(len(parts)))

@@ -73,6 +73,7 @@ class Material:
             values[name] = _share(name, getattr(self, name))
         if self.alpha not in ("opaque", "mask", "blend"):
             raise ValueError(f"alpha: opaque, mask or blend, not {self.alpha!r}")
+        # The class is frozen.
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -143,6 +144,7 @@ def _share(name: str, value: object) -> float:
 
 def _color(name: str, color: object, width: int) -> tuple[float, ...]:
     if isinstance(color, str):
+        # "#rgb" and "#rrggbb" have no alpha.
         return (*_of_text(name, color), 1.0)[:width] if len(color) in (4, 7) else _of_text(name, color)[:width]
     parts = color.tolist() if hasattr(color, "tolist") else color
     if not isinstance(parts, (list, tuple)) or len(parts) not in (3, width):

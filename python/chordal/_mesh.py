@@ -79,6 +79,7 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
                 raise ValueError(f"{kind}: a row of {widths[0]} for each of {len(points)} vertices, not {values.shape}")
             attribute_rows.append((kind, values))
         position_ids = None
+        # Indices out of range are left to the compiled part, which names them; welding would fail at them first.
         if weld and (rows.size == 0 or int(rows.max()) < len(points)):
             kept, rows, position_ids = welded(points, rows, [values for _, values in attribute_rows])
             # Adding 0.0 turns -0.0 into 0.0, which welding takes for equal.

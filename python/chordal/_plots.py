@@ -73,6 +73,7 @@ def plot_error(
             result = unmet.best
         error = result.bound.at_most if result.bound.at_most is not None else result.bound.at_least
         count = result.report["certificate"]["output"]["segments"] if is_curve else len(result.faces)
+        # Both axes are logarithmic.
         if error > 0:
             rows.append((int(count), float(error)))
     rows = sorted(set(rows))
@@ -99,6 +100,7 @@ def _drawn(counts: Any, errors: Any, slope: float, counted: str, axes: Any | Non
         _, axes = pyplot.subplots()
     axes.loglog(counts, errors, "o", label="error")
     if np.isfinite(slope):
+        # The fitted line passes through the mean of the logarithms.
         middle = np.exp(np.mean(np.log(errors)) - slope * np.mean(np.log(counts)))
         axes.loglog(counts, middle * counts.astype(float) ** slope, "--", label=f"slope {slope:.2f}")
     axes.set_xlabel(counted)

@@ -164,6 +164,7 @@ def _turn(axis: str | _Vector, degrees: float) -> _Rows:
         if length == 0:
             raise ValueError("axis: a vector of zero length has no direction")
         x, y, z = x / length, y / length, z / length
+    # Exact sines and cosines, so that quarter turns round nothing.
     quarters = {0: (0.0, 1.0), 90: (1.0, 0.0), 180: (0.0, -1.0), 270: (-1.0, 0.0)}
     called: Callable[..., Any] = _chordal.ScriptValue.call
     angle = called("radians", degrees)

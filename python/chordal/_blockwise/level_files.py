@@ -81,6 +81,7 @@ class LevelFiles:
             for cube in sorted_cubes:
                 facts, arrays = unpacked(kept.whole(fragments_of(cube), self._cubes.named(cube)))
                 for row, content in zip(facts["fragments"], arrays, strict=True):
+                    # A coarsest level that was dropped above is not written.
                     if level < len(self.by_label[row[0]]):
                         with open(_aside(target, row[0]), "ab") as file:
                             file.write(content)
@@ -175,6 +176,7 @@ def least_step(affine: Sequence[Sequence[float]]) -> float:
     largest = g[0][0] + g[1][1] + g[2][2]
     for _ in range(_SQUARED):
         largest = math.sqrt(largest)
+    # `1 - largest` loses its digits if the largest is nearly 1. The minors, ab + bc + ca, are less but keep theirs.
     rest = max(1.0 - largest - _SLACK, minors * (1.0 - _SLACK))
     return math.sqrt(total * rest / 3) * (1.0 - _SLACK)
 

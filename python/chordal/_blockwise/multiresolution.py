@@ -137,6 +137,7 @@ class LabelTree:
         """The fragments of each cube of a level: kept ones, and those of workers for the other cubes."""
         done: dict[Cube, list[Fragment]] = {}
         waiting: list[Task[Cube]] = []
+        # `Workers.run` begins with the last task of the list.
         for cube in reversed(cubes):
             kept_fragments = None if cube in stale else _fragments_kept(kept, cube)
             if kept_fragments is not None:
@@ -153,6 +154,7 @@ class LabelTree:
             # The fragments are written after the parts, since they mark the cube as done.
             kept.write(fragments_of(cube), packed({"fragments": facts["fragments"]}, arrays[n:]))
             if cube.level > 0:
+                # The children's parts are needed no more: this cube is done.
                 for child in self.cubes.children(cube):
                     kept.forget(child.kept)
             done[cube] = [Fragment(*row) for row in facts["fragments"]]
@@ -277,6 +279,8 @@ def _leaves(tree: LabelTree, array: Any, cube: Cube) -> Iterator[tuple[_LabelPar
             yield _LabelPart(label, part, max(part.at_most, first)), _compressed(_fragment(tree, cube, part))
             continue
         room = tree.tolerance - part.at_most - tree.step(cube) - tree.rounding()
+        # The loss by rounding is known only afterwards, so the room is halved until the fragment is within the tolerance.
+        # Without room, or if no try is, the part stays as it is.
         for halving in range(_HALVINGS + 1 if room > 0.0 else 0):
             chosen = part.simplified(room * 0.5**halving)
             fragment = _fragment(tree, cube, chosen)

@@ -51,6 +51,7 @@ def write_fragments(
         refuse_finished(document, HOLDS)
         waiting: list[Task[int]] = []
         shared = workers.shared(array)
+        # `Workers.run` begins with the last task of the list.
         for k in reversed(range(len(blocks))):
             kept_result = kept.read(f"block_{k}")
             if kept_result is None:
@@ -62,6 +63,7 @@ def write_fragments(
             facts, fragments = unpacked(result)
             for (label, _), fragment in zip(facts["labels"], fragments, strict=True):
                 written(os.path.join(target, _fragment(label, blocks[k])), fragment)
+            # After the fragments: it marks the block as done.
             kept.write(f"block_{k}", packed({"labels": facts["labels"]}, []))
             done[k] = facts["labels"]
             if tell is not None:

@@ -242,6 +242,7 @@ def _once(token: str, open_it: Callable[[], Any]) -> Any:
     with _lock:
         array = _opened_here.get(token)
         if array is None:
+            # A dictionary keeps the order of insertion, so the array that was opened first goes.
             while len(_opened_here) >= _MOST_OPENED:
                 del _opened_here[next(iter(_opened_here))]
             array = _opened_here[token] = open_it()
@@ -297,6 +298,8 @@ def _ome(path: str, group: Any, level: int, channel: int | None) -> Placed:
     others = tuple((at, channel_index if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
     instead = f"name an array, as in {path}/{levels[level]['path']}"
     steps, first = np.ones(len(names)), np.zeros(len(names))
+    # In the order of OME-NGFF: those of the level, then those of all levels. A scale applies to the translations before it,
+    # too.
     for transform in [*levels[level].get("coordinateTransformations", []), *image.get("coordinateTransformations", [])]:
         kind = transform.get("type")
         if kind == "scale" and kind in transform:

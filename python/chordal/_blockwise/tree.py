@@ -158,6 +158,7 @@ class BlockTree:
     def _keep(self, cube: Cube, result: bytes, target: str, kept: KeptFolder) -> None:
         """Writes the tiles of a result, then the result without them, and removes the results of its children."""
         facts, arrays = unpacked(result)
+        # Tiles first: the result says that they are there.
         for name, content in zip(facts.get("files", []), arrays[1:], strict=True):
             path = os.path.join(target, name)
             os.makedirs(os.path.dirname(path), exist_ok=True)

@@ -60,6 +60,7 @@ class Workers:
                 for future in self._done(list(running)):
                     key, name = running.pop(future)
                     yield key, _checked(name, future.result)
+        # Also if the consumer stops before the last result.
         finally:
             for future in running:
                 future.cancel()
