@@ -208,6 +208,7 @@ function draw(): void {
     html.dataset["ready"] = "1";
   }
   const stage = root.querySelector(".stage");
+  // A new stage, as after a change of the view, is observed in place of the old one.
   if (stage && !(stage as HTMLElement).dataset["watched"]) {
     (stage as HTMLElement).dataset["watched"] = "1";
     sizeObserver.disconnect();

@@ -79,6 +79,7 @@ export class Engine {
     this.currentCall = null;
     clearTimeout(this.timer);
     this.failures = 0;
+    // Before the answer is shown, so that the worker computes while the page draws.
     this.send();
     if ("answer" in reply) this.listener.answered(call.kind, reply.answer as never, call.question as never);
     else this.listener.troubled({ what: "refused", why: reply.refused });
@@ -87,6 +88,7 @@ export class Engine {
   /** Replaces the worker. Its question is asked again, unless a newer one of the same kind waits. */
   private fail(): void {
     clearTimeout(this.timer);
+    // A message may be on its way already.
     this.worker.onmessage = this.worker.onerror = null;
     this.worker.terminate();
     const call = this.currentCall;

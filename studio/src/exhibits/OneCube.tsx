@@ -39,6 +39,7 @@ const isInside = (signs: number, corner: number) => ((signs >> corner) & 1) === 
 
 /** The edges, within the cell, of a box with one corner in the middle of the cell. */
 function box(signs: number): Vec3[] {
+  // A single corner is inside, so `signs` has one bit.
   const insideCorner = positionOf(Math.log2(signs));
   const along = (...axes: number[]): Vec3 => [0, 1, 2].map((k) => (axes.includes(k) ? insideCorner[k]! : 0)) as unknown as Vec3;
   return [0, 1, 2].flatMap((k) => [along(), along(k), along(k), along(k, (k + 1) % 3), along(k), along(k, (k + 2) % 3)]);

@@ -169,6 +169,7 @@ function atOnce(change: () => void): void {
 
 function PullHandle({ pull, at, isStill }: { pull: Pull; at: Projector; isStill: boolean }) {
   const [x, y] = at.to(pull.at);
+  // A hundredth of the way, over which perspective hardly bends.
   const [ax, ay] = at.to([0, 1, 2].map((k) => pull.at[k]! + 0.01 * (pull.along[k]! - pull.at[k]!)) as unknown as Vec3);
   // Pixels for a change of 1. A line towards the eye is very short, hence the lower limit.
   const [wx, wy] = [(ax - x) * 100, (ay - y) * 100];

@@ -183,6 +183,7 @@ function Figure({ page }: { page: Page }) {
             // Along the current tangent, so that a single drag can follow the whole curve.
             const origin = toSvg([0, 0]);
             const [wx, wy] = toSvg(latestPage.current.answer.tangent).map((end, k) => end - origin[k]!) as [number, number];
+            // The lower limit keeps t from flying where the tangent is short.
             t += ((dx - x) * wx + (dy - y) * wy) / Math.max(wx * wx + wy * wy, 1e4);
             t = Math.min(Math.max(t, LOW), HIGH);
             [x, y] = [dx, dy];

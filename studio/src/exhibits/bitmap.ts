@@ -22,9 +22,11 @@ export function bitmap(picture: Grey): string {
 }
 
 function encoded({ width, height, grey }: Grey): string {
+  // The first pixel of a word is its lowest byte, which is also the first in memory.
   const pixels = new Uint8Array(grey.buffer, grey.byteOffset, width * height);
   const file = new Uint8Array(HEAD + pixels.length);
   const view = new DataView(file.buffer);
+  // 14 bytes on the file, 40 on the picture (one plane of eight bits), then the palette.
   view.setUint16(0, 0x4d42, true);
   view.setUint32(2, file.length, true);
   view.setUint32(10, HEAD, true);

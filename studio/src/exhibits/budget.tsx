@@ -164,6 +164,8 @@ const GAP = 28;
 /** Spreads labels so that they are a gap apart: in their order, and a group that would touch is centred on its mean. */
 function spread(wanted: readonly number[]): number[] {
   const order = wanted.map((_, i) => i).sort((a, b) => wanted[a]! - wanted[b]!);
+  // Less its share of the gaps, each place has to be at least the one before it. Neighbours that
+  // are not become one group at their mean (pool adjacent violators), which moves the labels least.
   const groups: { sum: number; rows: number[] }[] = [];
   const mean = ({ sum, rows }: { sum: number; rows: number[] }) => sum / rows.length;
   order.forEach((row, i) => {

@@ -122,6 +122,7 @@ const isExact = ({ share }: Answer) => share === null || Math.abs(share - 1) < A
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill } = page;
   const [x, y] = toSvg(state.probe).map(px);
+  // In pixels: x is 0 at the left edge, so a length is the x of a point that far from it.
   const radius = (value: number) => px(toSvg([Math.abs(value), 0])[0]);
   return (
     <Flat name={texts.figure}>

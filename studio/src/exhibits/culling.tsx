@@ -204,6 +204,7 @@ function pictureOf({ state, answer }: Page): Picture {
 }
 
 const turnedOver = (flipped: readonly number[], face: number) =>
+  // Sorted, so that the same triangles are the same address in whatever order they were turned.
   (flipped.includes(face) ? flipped.filter((other) => other !== face) : [...flipped, face]).toSorted((a, b) => a - b);
 
 function Figure({ page }: { page: Page }) {

@@ -60,6 +60,7 @@ function pictureOf({ answer }: Page): Picture {
   const shown = answer.next ? answer.findings.filter(({ cure }) => cure === answer.next) : answer.findings;
   const places = shown.flatMap(({ places }) => places);
   const flat = (points: readonly Vec3[]) => new Float32Array(points.flat());
+  // One corner is a dot, two are an edge, three a triangle.
   const dots = places.filter((corners) => corners.length === 1).flat();
   const lines = places.flatMap(([a, b, c]) => (c ? [a!, b!, b!, c, c, a!] : b ? [a!, b] : []));
   const layers: Layer[] = [

@@ -143,6 +143,8 @@ function pictureOf({ state, answer }: Page): Picture {
     shading: "flat",
     sides: "both",
   };
+  // Only for triangles that are apart: each has nine numbers of its own then, in the order of the
+  // faces.
   const corners = answer.vertex.faces.flatMap((face) =>
     [0, 1, 2]
       .filter((k) => answer.mesh.indices[3 * face + k] === answer.vertex.row)

@@ -121,6 +121,7 @@ function Figure({ page }: { page: Page }) {
         <Edge key={i} from={corners[from]!} to={corners[to]!} probe={state.probe} side={answer.sides[i]!} />
       ))}
       {corners.map((corner, i) => {
+        // Away from the middle of the triangle, so that no name is on a side.
         const [dx, dy] = [corner[0] - 5.9, corner[1] - 3.6];
         const far = 0.45 / Math.hypot(dx, dy);
         const [x, y] = at([corner[0] + dx * far, corner[1] + dy * far - 0.1]).split(" ");
@@ -146,6 +147,7 @@ function Edge({ from, to, probe, side }: { from: Point; to: Point; probe: Point;
   const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
   const length = Math.hypot(dx, dy);
   const [ux, uy] = [dx / length, dy / length];
+  // `off` counts to the left of the edge.
   const on = (t: number, off = 0): Point => [from[0] + t * dx - off * uy, from[1] + t * dy + off * ux];
   const band = side === "on" ? 0 : side === "left" ? 0.32 : -0.32;
   const foot = ((probe[0] - from[0]) * ux + (probe[1] - from[1]) * uy) / length;

@@ -18,11 +18,13 @@ export class Say {
 
   /** Three significant digits, with a typographic minus. */
   number(value: number): string {
+    // −0 would have a minus.
     return this.short.format(value === 0 ? 0 : value).replace("-", "−");
   }
 
   /** A fixed number of decimals. */
   fixed(value: number, digits = 2): string {
+    // Nor has a negative number one that rounds to 0.
     const text = (Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits);
     return text.replace("-", "−");
   }

@@ -49,6 +49,7 @@ function pairOf<K extends keyof State>(name: K, state: State): string[] {
   const [key, part] = PARTS[name];
   if (state[name] === null) return [];
   const text = part.write(state[name]);
+  // Compared as text: values that differ by less than the grid are the same address.
   return DEFAULTS[name] !== null && text === part.write(DEFAULTS[name]) ? [] : [`${key}=${text}`];
 }
 
@@ -90,6 +91,7 @@ function decoded(text: string): string {
 function oneOf<V>(names: Record<string, V>): Part<V> {
   return {
     write: (value) => Object.keys(names).find((name) => names[name] === value) ?? "",
+    // Every object inherits names such as `constructor`, which an address may hold.
     read: (text) => (Object.hasOwn(names, text) ? names[text] : undefined),
   };
 }

@@ -132,6 +132,7 @@ function Doubling({ page, scales }: { page: Page; scales: Scales }) {
   const { say, state, answers } = page;
   const { other, ...study } = answers.study;
   const times = other.times[state.spacing];
+  // The other chain has half or twice the segments.
   const [few, many] = [study[state.spacing], other[state.spacing]].sort((a, b) => a.segments - b.segments) as [Chain, Chain];
   if (times === null || !few.gap || !many.gap || few.segments === many.segments || many.segments > MOST_SEGMENTS) return null;
   const [left, right] = [scales.x(few.segments), scales.x(many.segments)];

@@ -44,6 +44,7 @@ export function control(element: HTMLElement, camera: Camera): () => void {
     travelled += Math.hypot(dx, dy);
     if (other) {
       const distanceToOther = (p: readonly [number, number]) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
+      // The middle between two fingers moves half as far as the one that moved.
       camera.look(shifted(zoomed(camera.view(), distanceToOther(before) / distanceToOther(now), range()), camera.size(), dx / 2, dy / 2));
     } else if (travelled >= STILL) {
       const shifts = event.shiftKey || (event.pointerType === "mouse" && event.buttons > 1);
@@ -95,11 +96,13 @@ export function control(element: HTMLElement, camera: Camera): () => void {
     }
     event.preventDefault();
   };
+  // The right button shifts the view.
   const menu = (event: Event) => event.preventDefault();
   element.addEventListener("pointerdown", down, { signal });
   element.addEventListener("pointermove", move, { signal });
   element.addEventListener("pointerup", up, { signal });
   element.addEventListener("pointercancel", up, { signal });
+  // Not passive: only so may it keep the page from scrolling.
   element.addEventListener("wheel", wheel, { signal, passive: false });
   element.addEventListener("keydown", key, { signal });
   element.addEventListener("contextmenu", menu, { signal });

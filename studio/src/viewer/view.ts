@@ -81,6 +81,7 @@ export function projector(view: View, size: Size): Projector {
     to(point) {
       const from = minus(point, eye);
       const depth = -dot(from, back);
+      // Behind the eye the scale would be negative and mirror the point.
       const scale = f / Math.max(depth, 1e-9);
       return [size.width / 2 + dot(from, right) * scale, size.height / 2 - dot(from, up) * scale, depth];
     },

@@ -82,6 +82,7 @@ export class Viewer {
     // three.js divides by π as in Lambert's law, but the intensity in LIGHT is a share.
     const sun = new DirectionalLight(0xffffff, LIGHT.sun * Math.PI);
     sun.position.set(...LIGHT.from);
+    // Light and target are the camera's children, so the light turns with the view.
     this.camera.add(sun, sun.target);
     this.camera.up.set(0, 0, 1);
     this.scene.add(this.camera, new AmbientLight(0xffffff, LIGHT.ambient * Math.PI));
@@ -133,6 +134,7 @@ export class Viewer {
     this.canvas.removeEventListener("webglcontextrestored", this.onRestored);
     for (const [id, shown] of this.shown) this.remove(id, shown);
     this.renderer.dispose();
+    // A browser allows few contexts at once, and frees them only when it likes.
     this.renderer.forceContextLoss();
     this.canvas.remove();
   }
@@ -179,6 +181,7 @@ export class Viewer {
     const { view } = this;
     this.camera.position.set(...eyeOf(view));
     this.camera.lookAt(...view.target);
+    // Relative to the distance, so that depth is as fine for tiny as for huge shapes.
     this.camera.near = view.distance / 50;
     this.camera.far = view.distance * 20;
     this.camera.updateProjectionMatrix();
@@ -241,6 +244,7 @@ export class Viewer {
       case "normals":
         return lineGeometry(strokes(layer.at, layer.directions, layer.length));
       case "silhouette":
+        // A line without length, until `outline` has a view.
         return lineGeometry(new Float32Array(6));
       case "points":
         return new BufferGeometry().setAttribute("position", new BufferAttribute(layer.positions, 3));
@@ -271,6 +275,7 @@ export class Viewer {
     if (this.section) {
       // The inside of a closed mesh, unlit in one tone, looks like a solid cut.
       const inside = new MeshBasicMaterial({ color: this.color(this.section.paint), side: BackSide });
+      // With groups it would need a material for each.
       objects.push(new Mesh(ungrouped(geometry), this.clipped(inside)));
     } else if (layer.back !== undefined && layer.sides === "both") {
       objects.push(new Mesh(ungrouped(geometry), this.material(layer, layer.back, BackSide, false)));
@@ -309,6 +314,7 @@ export class Viewer {
     const map = new Texture(picture.image);
     [map.wrapS, map.wrapT] = picture.wrap.map((way) => WRAPS[way] ?? RepeatWrapping) as [Wrapping, Wrapping];
     map.colorSpace = SRGBColorSpace;
+    // In glTF v runs down, as in the rows of an image.
     map.flipY = false;
     map.anisotropy = MOST_ANISOTROPY;
     map.needsUpdate = true;
@@ -409,6 +415,7 @@ function meshGeometry(layer: MeshLayer, color: (paint: Paint) => Color): BufferG
     geometry.setAttribute("color", new BufferAttribute(cornerColors, 3));
     if (layer.pictures) {
       geometry.setAttribute("uv", new BufferAttribute(unshare(layer.pictures.uv, 2), 2));
+      // One draw for each run of triangles with the same picture.
       for (let face = 0, first = 0; face < of.length; face++) {
         if (face + 1 < of.length && of[face + 1] === of[face]) continue;
         geometry.addGroup(3 * first, 3 * (face + 1 - first), of[face]);
@@ -421,6 +428,7 @@ function meshGeometry(layer: MeshLayer, color: (paint: Paint) => Color): BufferG
   geometry.setIndex(new BufferAttribute(layer.indices, 1));
   if (layer.normals) geometry.setAttribute("normal", new BufferAttribute(layer.normals, 3));
   else if (layer.shading === "smooth") geometry.computeVertexNormals();
+  // three.js takes colours of vertices as linear light.
   if (colors) geometry.setAttribute("color", new BufferAttribute(colors.map(toLinear), 3));
   return geometry;
 }

@@ -50,6 +50,7 @@ export function Inputs({ page }: { page: Page }) {
           aria-label={words.open}
           onChange={(event) => {
             void control?.open([...(event.currentTarget.files ?? [])]);
+            // Otherwise opening the same file once more would be no change.
             event.currentTarget.value = "";
           }}
         />

@@ -177,6 +177,8 @@ export class Controller {
 
   /** Ends a drag. */
   rest(): void {
+    // The same input once more, now not as a part of a drag: this starts the proof, which drags
+    // leave out.
     if (this.dragged) this.put(this.state.bench);
   }
 
@@ -184,6 +186,7 @@ export class Controller {
     const { past, bench: current, future } = this.state;
     const before = past.at(-1);
     if (!before) return;
+    // Whatever comes next is a step of its own, even if a drag goes on.
     this.dragged = false;
     if (before.name !== current.name) this.clearResults();
     this.update({ bench: before, past: past.slice(0, -1), future: [current, ...future] });
@@ -227,6 +230,7 @@ export class Controller {
       this.update({ notice: "unread" });
       return false;
     }
+    // Other files were opened while these were read; those are shown.
     if (number !== this.openCount) return true;
     // A file of the same name may be another shape, so nothing of the old one is kept.
     this.clearResults();
@@ -242,6 +246,7 @@ export class Controller {
     const { bench: current } = this.state;
     const name = this.outputOf(output);
     const run = await this.runSupported("step", [verb, ...reading(current), ...options, "-o", name], current.files, false);
+    // The input may have changed while the command ran.
     if (!run || current !== this.state.bench) return;
     const { outcome, line } = run;
     const bytes = outcome.outputs[name];
@@ -339,6 +344,7 @@ export class Controller {
     for (const lane of ["levels", "slice", "step"] as const) this.jobs.cancel(lane);
     if (isScript(current)) void this.draft();
     else this.jobs.cancel("draft");
+    // During a drag there are only drafts: a proof would be of an older number before it ends.
     if (isDragging) {
       this.jobs.cancel("proof");
       this.jobs.cancel("picture");
@@ -432,6 +438,8 @@ export class Controller {
     const isOld = lane === "proof" && !isNewest;
     const fault = isOld ? this.state.fault : isShort && lane === "proof" ? faultOf(outcome) : null;
     this.update({ shown, fault, ...(read ? {} : { notice: "undrawn" }) });
+    // A traced picture is of the input's field, so it stays when the draft is replaced by the
+    // proof.
     if (!isOld && this.drawnOf !== input && this.drawnOf !== shown) this.schedule("picture", () => void this.draw());
     return true;
   }
@@ -517,6 +525,7 @@ export class Controller {
     if (!outcome) return null;
     const unknown = outcome.exit === USAGE && /unexpected argument '(-[\w-]+)/.exec(`${outcome.stderr}${outcome.stdout}`)?.[1];
     const shorter = unknown ? without(line, unknown) : line;
+    // Each further run has fewer words, so this ends.
     return shorter.length < line.length ? this.runSupported(lane, shorter, files, isReport) : { outcome, line };
   }
 
@@ -539,6 +548,7 @@ export class Controller {
       } else if (!(error instanceof Stopped)) throw error;
       return null;
     } finally {
+      // A newer job may have taken the lane over.
       if (!this.jobs.isRunning(lane)) setRunning(false);
     }
   }

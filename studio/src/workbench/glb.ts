@@ -73,6 +73,7 @@ export function parts(bytes: Uint8Array, frame: Frame): Part[] {
 export function withPictures(parts: readonly Part[]): Promise<Part[]> {
   const seen = new Map<number, Promise<ImageBitmap | undefined>>();
   const read = ({ bytes, type }: EncodedPicture) => {
+    // The place in the file identifies a picture; parts that share one decode it once.
     const image = seen.get(bytes.byteOffset) ?? createImageBitmap(new Blob([bytes as BlobPart], { type })).catch(() => undefined);
     seen.set(bytes.byteOffset, image);
     return image;
@@ -123,6 +124,10 @@ interface Glb {
 
 function open(bytes: Uint8Array): Glb {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  // Byte 12 begins the chunk of JSON, and the binary one follows it:
+  //
+  //    0                      12            20       20 + length    28 + length
+  //    magic, version, size | length, type | JSON … | length, type | bytes …
   const length = view.getUint32(12, true);
   const json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))) as Json;
   const from = 20 + length + 8;

@@ -41,10 +41,12 @@ export function faultOf(outcome: Outcome): Fault {
 /** Reads a NumPy file of doubles in Fortran order. */
 export function sliceOf(bytes: Uint8Array, report: Report): Slice | null {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  // Six bytes of magic, two of version, and two with the length of the header.
   const start = 10 + view.getUint16(8, true);
   const header = new TextDecoder().decode(bytes.subarray(10, start));
   const baked = report.certificate?.baked;
   if (!baked || !header.includes("<f8") || !header.includes("'fortran_order': True")) return null;
+  // A copy, since an array of doubles begins at a multiple of eight bytes.
   const samples = new Float64Array(bytes.slice(start).buffer);
   return { size: baked.size, origin: baked.origin, spacing: baked.spacing, samples };
 }

@@ -48,5 +48,6 @@ export function pixelsOf(error: number, screen: Screen): number {
 /** The smallest distance from which an error is at most so many pixels. */
 export function distanceOf(error: number, pixels: number, screen: Screen): number {
   const { scale, secant } = corners(screen);
+  // `pixelsOf`, solved for the distance.
   return secant * error * (1 + scale / pixels);
 }

@@ -28,10 +28,12 @@ export async function pack(bench: Bench): Promise<string | null> {
   // A link must restore the whole bench, so one with further files or previous steps has none.
   const isSelfContained = Object.keys(files).length === 1 && !combine && before.length === 0;
   if (!bytes || bytes.length > MOST_FILE || !isSelfContained || !NAME.test(name) || options.length > MOST_OPTIONS) return null;
+  // A byte order mark is kept, so that the text comes back byte for byte.
   const read = new TextDecoder("utf-8", { ignoreBOM: true });
   const content = isText(bytes) ? { text: read.decode(bytes) } : { bytes: toBase64(bytes) };
   const packed: Packed = { v: 1, name, ...content, budget, set, options };
   const compressed = await through(new TextEncoder().encode(JSON.stringify(packed)), new CompressionStream("deflate-raw"));
+  // Cut, because a call takes a limited number of arguments; what is longer has no link anyway.
   const encoded = btoa(String.fromCharCode(...compressed.slice(0, MOST))).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
   return compressed.length > MOST ? null : encoded;
 }

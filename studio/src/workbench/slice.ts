@@ -22,11 +22,13 @@ export function drawSlice(canvas: HTMLCanvasElement, { size, samples, spacing }:
   const step = largest / LINES;
   for (let row = 0; row < tall; row++) {
     for (let column = 0; column < width; column++) {
+      // Rows of a picture run down, and y runs up.
       const [u, v] = [column / DOTS, (tall - 1 - row) / DOTS];
       const [x, y] = [Math.floor(u), Math.floor(v)];
       const [s, t] = [u - x, v - y];
       const value = (1 - t) * ((1 - s) * sample(x, y) + s * sample(x + 1, y)) + t * ((1 - s) * sample(x, y + 1) + s * sample(x + 1, y + 1));
       const shade = 1 - 0.55 * Math.min(Math.abs(value) / largest, 1);
+      // The distance from the nearest multiple of a step, which is where a line is.
       const line = Math.abs(value / step - Math.round(value / step)) * step;
       const isSurface = Math.abs(value) < spacing / 3;
       const base = isSurface ? SURFACE : value < 0 ? INSIDE : OUTSIDE;

@@ -18,6 +18,7 @@ addEventListener("message", ({ data: { id, module, words, files } }: MessageEven
   const reply = (message: Reply, buffers: Transferable[] = []) => postMessage(message, { transfer: buffers });
   run(module, words, files, (progress) => reply({ id, progress })).then(
     (outcome) => {
+      // Outputs may share a buffer, and a buffer is transferred once.
       const buffers = new Set(Object.values(outcome.outputs).map((bytes) => bytes.buffer as ArrayBuffer));
       reply({ id, outcome }, [...buffers]);
     },

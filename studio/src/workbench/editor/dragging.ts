@@ -93,6 +93,7 @@ class NumberHandles {
     window.addEventListener("pointermove", this.moved);
     window.addEventListener("pointerup", this.lifted);
     window.addEventListener("pointercancel", this.cancelled);
+    // Captured, so that Escape ends the drag before the editor's own keys see it.
     window.addEventListener("keydown", this.keyed, true);
   }
 
@@ -125,10 +126,12 @@ class NumberHandles {
       view.scrollDOM.setPointerCapture(event.pointerId);
     }
     event.preventDefault();
+    // Whole steps only; the rest of the way counts for the next event.
     const n = Math.trunc((event.clientX - hold.steppedX) / STEP_PX);
     if (n === 0) return;
     hold.steppedX += n * STEP_PX;
     hold.tenths += n * tenthsOf(event);
+    // From the text at the start and all steps since, so that the way back leads to the same text.
     hold.place = put(view, hold.edit, hold.place, stepped(hold.literal, hold.tenths));
   };
 
@@ -187,6 +190,7 @@ class NumberHandles {
   }
 
   private placeOf(element: Element): NumberPlace | undefined {
+    // One character into the number, since its start also ends what is before it.
     return numberAt(scan(this.view.state).numbers, this.view.posAtDOM(element) + 1);
   }
 }

@@ -111,6 +111,7 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
       const changes = difference(view.state.doc.toString(), text.replace(/\r\n?/g, "\n"));
       isOfPage = true;
       if (changes) {
+        // A drag in the editor would go on at a place that has moved.
         handles.drop(view);
         sliderEdit ??= new LiveEdit(view);
         sliderEdit.change(changes);

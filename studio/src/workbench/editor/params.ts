@@ -35,6 +35,7 @@ function calls(text: string): ParamCall[] {
     for (; word(significant[next]) === "("; next += 1) nested += 1;
     if (word(significant[next]) === "-") next += 1;
     const place = significant[next]?.kind === "number" ? numbers.get(significant[next]!.to) : undefined;
+    // A minus apart from the number is an operator, and the default an expression.
     if (!place || place.from !== (word(significant[next - 1]) === "-" ? significant[next - 1]!.from : significant[next]!.from)) return;
     for (next += 1; nested > 0 && word(significant[next]) === ")"; next += 1) nested -= 1;
     if (word(significant[next]) === ",") next += 1;

@@ -25,7 +25,9 @@ export const problemField = StateField.define<Problem | null>({
   update(problem, tr) {
     for (const effect of tr.effects) if (effect.is(setProblem)) return effect.value;
     if (!problem || !tr.docChanged) return problem;
+    // Towards each other, so that text typed at either end is not underlined.
     const [from, to] = [tr.changes.mapPos(problem.from, 1), tr.changes.mapPos(problem.to, -1)];
+    // If all of it was replaced, they have crossed.
     return { ...problem, from: Math.min(from, to), to: Math.max(from, to) };
   },
   provide: (field) => [
@@ -61,6 +63,7 @@ export function problemAt(doc: Text, { line, column, message }: EditorError): Pr
   const { from, text } = doc.line(Math.min(Math.max(1, Math.trunc(line) || 1), doc.lines));
   const start = text.length - text.trimStart().length;
   if (column === undefined) return lineStart(doc, { from: from + start, to: from + text.trimEnd().length, message });
+  // The command counts code points, and the editor UTF-16 units.
   const before = [...text].slice(0, Math.max(0, column - 1)).join("").length;
   const rest = text.slice(before);
   const word = WORD.exec(rest)?.[0] ?? rest.slice(0, String.fromCodePoint(rest.codePointAt(0) ?? 0).length);

@@ -31,6 +31,7 @@ export function tokens(text: string): Token[] {
   while (from < text.length) {
     const c = text[from]!;
     if (c === "\n") {
+      // Inside brackets a statement goes on over the end of the line.
       if (depth === 0) add("end", from + 1);
       else from += 1;
     } else if (/\s/.test(c) || c === "\\") {
@@ -53,6 +54,8 @@ export function tokens(text: string): Token[] {
       add("sign", from + 1);
       depth += 1;
     } else if (")]}".includes(c)) {
+      // Counted first: a closing bracket belongs to what is around the pair, as the opening one
+      // does.
       depth = Math.max(0, depth - 1);
       add("sign", from + 1);
     } else {
