@@ -298,6 +298,7 @@ fn value_difference([a, b]: [(&Mesh, &SeamedAttribute, &BarycentricPoint); 2]) -
         let squares = (0..width).map(|k| at(a, k) - at(b, k)).map(|x| x * x);
         squares.fold(0.0, |sum, x| sum + x).sqrt()
     };
+    // Values may overflow: that must not pass as no difference.
     if difference_found.is_nan() { f64::INFINITY } else { difference_found }
 }
 
@@ -465,6 +466,8 @@ impl AttributeComparison<'_> {
             if dot(normal, cross(difference(b, a), difference(c, a))) <= 0.0 {
                 return;
             }
+            // The hierarchy visits faces in no useful order: the lower index decides between faces
+            // at equal distances, as they occur along every shared edge.
             let is_better = best.as_ref().is_none_or(|(least, best_point)| {
                 near.off_sq < *least || (near.off_sq == *least && near.face < best_point.face)
             });

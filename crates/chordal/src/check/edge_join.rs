@@ -195,6 +195,8 @@ impl PatchBoundary {
         };
         let towards = |row: usize| curve(&|i, k| 3.0 * (rows[row][i][k] - rows[0][i][k]));
         let is_doubled = rows[1] == rows[0];
+        // Where rows coincide with the edge, the derivative is zero all along; the direction is
+        // then that towards the first other row.
         let next = (1..3).find(|row| rows[*row] != rows[0]).unwrap_or(3);
         Self {
             edge: Bezier { control: rows[0] },

@@ -73,6 +73,8 @@ pub(super) fn count_fans(
         if visited[corner as usize] || twins.get(corner) == Twin::Collapsed {
             continue;
         }
+        // An open fan was entered somewhere in the middle: the corners on the other side are still
+        // unmarked.
         if !mark_fan(FanCirculator::Out(corner), twins, &mut visited) {
             mark_fan(FanCirculator::In(previous_in_face(corner)), twins, &mut visited);
         }
@@ -114,6 +116,7 @@ pub(super) fn walk_boundary(twins: &Twins, mut each: impl FnMut(u32, BoundaryKin
             continue;
         }
         let mut visit = |h: u32| visited[h as usize] = true;
+        // A chain, too, was entered in the middle; both halves are marked, and it's reported once.
         if follow_boundary(start, FanCirculator::Out(start), twins, &mut visit) {
             each(start, BoundaryKind::Loop);
         } else {

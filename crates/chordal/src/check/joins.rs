@@ -55,6 +55,7 @@ pub(super) const SECOND: f64 = 256.0;
 pub fn joins<const D: usize>(curve: &Curve<D>) -> Vec<Join<D>> {
     let pieces = curve.segments();
     let inner = (1..pieces.len()).map(|i| join([&pieces[i - 1], &pieces[i]], [1.0; 2], i));
+    // The seam is the join at parameter 0 of the closed path, so it comes first.
     let seam = match pieces {
         [first, .., last] | [first @ last] if curve.is_closed() => Some(join([last, first], [1.0; 2], 0)),
         _ => None,

@@ -222,6 +222,8 @@ fn difference<'a>(
 ) -> PriorityItem<QuadSubpatch<'a>> {
     let long = |at: [f64; 3]| DVec3::from(at).length();
     let control = patch.control.as_flattened();
+    // Control points bound the difference from above, as it lies in their hull; points of the
+    // difference itself bound it from below.
     let most = control.iter().fold(0.0_f64, |most, at| most.max(long(*at)));
     let ends = [patch.control[0][0], patch.control[0][3], patch.control[3][0], patch.control[3][3]];
     for at in ends.into_iter().chain([patch.at(0.5, 0.5)]) {

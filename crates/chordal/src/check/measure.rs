@@ -38,6 +38,8 @@ pub fn measure(mesh: &Mesh) -> Measure {
         return Measure { area: 0.0, signed_volume: 0.0 };
     }
     let centre = DVec3::from(bounds.centre());
+    // Scaling by powers of two is exact, and keeps the products of two and three coordinates in the
+    // range of f64.
     let (down, up) =
         power_of_two_near(DVec3::from(bounds.max).max(DVec3::from(bounds.min).abs()).max_element());
     let frame = MeasureFrame { down, centre: (centre * down).to_array() };

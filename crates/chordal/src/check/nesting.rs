@@ -145,6 +145,7 @@ impl<F: Fn(usize, usize) -> bool> NestingSearch<'_, F> {
             if met.iter().any(|(_, crossing)| *crossing == RayCrossing::On) {
                 return BoundedSide::On;
             }
+            // As many faces crossed from behind as from the front: winding number 0.
             let upward = met.iter().filter(|(_, crossing)| *crossing == RayCrossing::FromBehind).count();
             if 2 * upward == met.len() { BoundedSide::Outside } else { BoundedSide::Inside }
         };

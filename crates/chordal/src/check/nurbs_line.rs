@@ -228,6 +228,8 @@ fn second_jet(net: &BezierNet<'_>, piece: [usize; 2], [s, t]: [f64; 2]) -> Secon
     let column = |k: usize| BernsteinRow(rows.iter().map(|jet| jet[k]).collect()).jet(t);
     let [[x, xv, xvv], [xu, xuv, _], [xuu, ..]] = [column(0), column(1), column(2)];
     let w = x[3];
+    // With homogeneous X = w·p, the product rule gives p′ = (X′ − p·w′) / w and p″ = (X″ − 2·p′·w′
+    // − p·w″) / w: each order needs only those below it.
     let point: [f64; 3] = std::array::from_fn(|k| x[k] / w);
     let first = [xu, xv].map(|d| -> [f64; 3] { std::array::from_fn(|k| (d[k] - point[k] * d[3]) / w) });
     let second = [(xuu, xu, first[0]), (xvv, xv, first[1])].map(|(dd, d, first_order)| -> [f64; 3] {

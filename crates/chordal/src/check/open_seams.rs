@@ -81,6 +81,8 @@ fn distinct_places(points: &[[f64; 3]], vertices: &[BoundaryVertex]) -> (Vec<[f6
     let (mut distinct, mut longest) = (Vec::new(), Vec::<f64>::new());
     let mut number = vec![0_usize; points.len()];
     for (i, (point_id, vertex)) in point_ids.iter().zip(vertices).enumerate() {
+        // The id is the index of the first point at the position, so that one has its number by
+        // now.
         if *point_id as usize == i {
             number[i] = distinct.len();
             distinct.push(points[i]);

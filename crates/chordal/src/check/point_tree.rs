@@ -57,6 +57,7 @@ impl<'a> PointTree<'a> {
         while let Some(node) = self.nodes.get(next) {
             let meets =
                 (0..3).all(|k| node.bounds.min[k] <= bounds.max[k] && bounds.min[k] <= node.bounds.max[k]);
+            // In depth-first order, only the successor of a leaf is outside its subtree.
             let is_leaf = next + 1 == node.skip as usize;
             let of_leaf = &self.order[node.start as usize..node.end as usize];
             let is_found = |i: &u32| bounds.contains(self.points[*i as usize]) && is_wanted(*i);

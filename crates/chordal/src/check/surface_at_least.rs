@@ -85,6 +85,8 @@ impl PointDistanceSearch<'_> {
     /// that.
     fn run(&self) -> f64 {
         let squares: Vec<f64> = self.boxes.iter().map(|b| box_distance_sq(self.point, b)).collect();
+        // The chunk with the nearest box goes first: its bound is likely to exclude most of the
+        // others.
         let nearest = (0..squares.len()).fold(0, |near, i| if squares[i] < squares[near] { i } else { near });
         let mut distance = self.over_chunk(nearest, f64::INFINITY);
         for (chunk, &square) in squares.iter().enumerate() {

@@ -140,6 +140,7 @@ impl<'a> OneSidedSearch<'a> {
 
     /// Raises the lower bound by a sample for a surface point at most `slack` away.
     fn record(&mut self, corner: DistanceSample, slack: f64) {
+        // The upper bound is known already, and costs nothing; the lower bound is a search.
         if corner.up <= self.farthest.at_least {
             return;
         }
@@ -179,6 +180,8 @@ fn farther_of(
 ) -> Option<(DistanceSample, f64)> {
     match (a, b) {
         (Some((p, _)), Some((q, _))) => {
+            // Of equals, the first: tasks are merged in their order, so the witness is the same on
+            // any number of threads.
             if q.up > p.up {
                 b
             } else {

@@ -135,6 +135,8 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         let primitive = |p: u32| &self.primitives[p as usize];
         let family = by_height(self.primitives, family)?;
         let slab = |above: usize| {
+            // A slab lies above the `above` lowest planes and below the others; a primitive is
+            // positive above its plane, unless its value falls with the height.
             let sign = |(k, p): (usize, &u32)| (*p, (k < above) != primitive(*p).falls());
             family.iter().enumerate().map(sign).collect()
         };

@@ -183,6 +183,7 @@ struct VertexCorners {
 
 impl VertexCorners {
     fn new(entries: &[(u32, FaceCorner)], n_vertices: usize) -> Self {
+        // A counting sort by vertex; corners of a vertex stay in the order of the faces.
         let mut starts = vec![0_u32; n_vertices + 1];
         entries.iter().for_each(|(v, _)| starts[*v as usize + 1] += 1);
         (1..starts.len()).for_each(|k| starts[k] += starts[k - 1]);

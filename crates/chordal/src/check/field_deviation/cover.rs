@@ -440,6 +440,8 @@ impl FieldCover {
             if node.level == level {
                 return None;
             }
+            // `corner` counts cells of `level`: a child's octant is made of the bits that
+            // distinguish the cells of its level.
             let shift = level - node.level - 1;
             let octant = (0..3).fold(0, |octant, k| octant | (corner[k] >> shift & 1) << k);
             cell = first + octant;

@@ -497,6 +497,9 @@ pub(super) fn shortest_displacement(constraints: &[HalfSpace]) -> Option<[f64; 3
         if first.holds(d) {
             continue;
         }
+        // If the best displacement so far violates a constraint, the new best lies on that
+        // constraint's plane: the search continues there, with one dimension less, and only the
+        // constraints seen so far can matter.
         d = first.direction.map(|x| x * first.least);
         for (j, second) in constraints[..i].iter().enumerate() {
             if !second.holds(d) {

@@ -313,6 +313,8 @@ impl LocalTrees {
 
     fn push(&mut self, tree: CsgTree) -> u32 {
         let hash = tree.fingerprint();
+        // Different trees may have one fingerprint, so only equal trees are shared; after a
+        // collision the later tree is stored, and found from then on.
         if let Some(number) = self.numbers.get(&hash).filter(|number| self.get(**number).tree == tree) {
             return *number;
         }

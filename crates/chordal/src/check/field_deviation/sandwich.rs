@@ -173,6 +173,8 @@ fn is_cycle(faces: &[[u32; 3]], ids: &[u32]) -> bool {
     for face in faces {
         for k in 0..3 {
             let (a, b) = (ids[face[k] as usize], ids[face[(k + 1) % 3] as usize]);
+            // A side between two rows of one vertex is no side, and a triangle with such a side
+            // runs along the remaining one in both directions.
             if a != b {
                 sides.push(if a < b { ([a, b], 1) } else { ([b, a], -1) });
             }
@@ -484,6 +486,7 @@ impl SandwichBuilder<'_> {
     /// The places of a vertex, if it has no single displacement.
     fn places_of(&self, vertex: u32, side: usize) -> Option<VertexPlaces> {
         let copy = &self.copies[side];
+        // Vertices that were split once stay split.
         if copy.places.contains_key(&vertex) {
             return None;
         }

@@ -139,6 +139,8 @@ impl RasterCamera {
         let (a, b) = if less == Some(std::cmp::Ordering::Greater) { (b, a) } else { (a, b) };
         let (at_a, at_b) = (self.plane_distance(plane, a), self.plane_distance(plane, b));
         let mut point = a + (b - a) * (at_a / (at_a - at_b));
+        // Rounding could leave it on the wrong side of the near plane, and the projection divides
+        // by `z`.
         if plane == 0 {
             point.z = self.near;
         }

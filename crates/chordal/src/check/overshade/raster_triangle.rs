@@ -93,6 +93,8 @@ impl RasterTriangle {
             // Inside if `slack − step·column ≥ 0`.
             let (slack, step) = (at_zero - i64::from(!edge.is_top_left()), edge.run[1] * STEPS);
             if step > 0 {
+                // Columns up to ⌊slack / step⌋, and from ⌈slack / step⌉ for a negative step; both
+                // divisions round down, so the second one is negated twice.
                 end = end.min(slack.div_euclid(step) + 1);
             } else if step < 0 {
                 first = first.max(-slack.div_euclid(-step));

@@ -32,6 +32,8 @@ const CHUNK: usize = 64;
 impl<'a> NearbySearch<'a> {
     pub fn new(source: &'a FanSurface, result: &'a FanSurface, images: &'a [VertexImage]) -> Self {
         let mut first = vec![0_u32; result.n_faces() + 1];
+        // A counting sort by face: counts, their running sums, then each vertex into the next free
+        // slot of its face, which keeps the order of the vertices.
         let known = || images.iter().enumerate().filter(|(_, image)| image.face != NONE);
         known().for_each(|(_, image)| first[image.face as usize + 1] += 1);
         for face in 0..result.n_faces() {

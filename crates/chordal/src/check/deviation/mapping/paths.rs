@@ -188,6 +188,7 @@ impl PathFinder<'_> {
             let crossing = Crossing::nearest(edge, self.ends(g), t);
             t = crossing.t;
             up = greater(up, crossing.up);
+            // The bound only grows: this walk can no longer win.
             if up >= best.up {
                 return;
             }

@@ -41,6 +41,7 @@ impl FanSurface {
     /// Adds the vertex at the start of a half-edge.
     fn add_fan(&mut self, h: u32, mesh: &Mesh) {
         // Go clockwise to the border, or once around.
+        // From the half-edge at the border, a walk the other way reaches the whole fan.
         let mut first = h;
         while self.twin[first as usize] != NONE {
             first = next_in_face(self.twin[first as usize]);
