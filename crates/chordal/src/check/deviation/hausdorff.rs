@@ -178,10 +178,10 @@ fn farther_of(
     a: Option<(DistanceSample, f64)>,
     b: Option<(DistanceSample, f64)>,
 ) -> Option<(DistanceSample, f64)> {
+    // Of equals, the first: tasks are merged in their order, so the witness is the same on any number
+    // of threads.
     match (a, b) {
         (Some((p, _)), Some((q, _))) => {
-            // Of equals, the first: tasks are merged in their order, so the witness is the same on
-            // any number of threads.
             if q.up > p.up {
                 b
             } else {
