@@ -128,6 +128,8 @@ impl<const D: usize> Arc<D> {
     /// The point at `t`, 0 at the start and 1 at the end.
     #[must_use]
     pub fn at(&self, t: f64) -> [f64; D] {
+        // Ends may have been set by `with_ends`: the formula would miss them by a rounding, and
+        // neighbours would no longer meet.
         if t == 0.0 {
             self.ends[0]
         } else if t == 1.0 {
@@ -147,6 +149,9 @@ impl<const D: usize> Arc<D> {
         let (sin_a, cos_a) = libm::sincos(half * t);
         let (sin_b, cos_b) = libm::sincos(half * (1.0 - t));
         let sin_half = libm::sin(half);
+        // The weights of the ends are ≥ 0 for up to half an ellipse and add up to sin(a + b) /
+        // sin(half) = 1. So a flat arc loses no digits, as it would by adding a long offset to a
+        // distant centre.
         let (to_a, to_b, lift) = (sin_b * cos_a / sin_half, sin_a * cos_b / sin_half, 2.0 * sin_a * sin_b);
         let [a, b] = self.ends;
         std::array::from_fn(|k| (to_a * a[k] + to_b * b[k]) + lift * form.to_middle[k])
@@ -278,6 +283,8 @@ impl<const D: usize> Arc<D> {
         // The rounding of points (`Curve::transformed`), for a centre and two axes.
         let rounding = mul_up(16.0 * (D * D) as f64 * f64::EPSILON, through);
         let slack = mul_up(map.stretch(), self.slack);
+        // The chord form doesn't use the centre. An arc of more than half a turn reaches to
+        // opposite sides of its centre, which is then no farther away than the arc itself.
         Self {
             centre: map.point(self.centre),
             axes: self.axes.map(|axis| map.vector(axis)),

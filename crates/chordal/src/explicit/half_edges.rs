@@ -170,6 +170,13 @@ impl HalfEdges {
 
     /// Flips an edge to join the two apexes: the half-edge then runs from the twin's apex to its own.
     pub fn flip(&mut self, h: u32) {
+        //       c              c
+        //      / \            /|\
+        //     / h \          / | \
+        //    a-----b   →    a h|t b      h then runs from d to c, t from c to d.
+        //     \ t /          \ | /
+        //      \ /            \|/
+        //       d              d
         let t = self.twin(h);
         let (hn, hp, tn, tp) = (next_in_face(h), previous_in_face(h), next_in_face(t), previous_in_face(t));
         let (a, b, c, d) = (self.start(h), self.start(t), self.start(hp), self.start(tp));
@@ -195,6 +202,9 @@ impl HalfEdges {
             n_around += 1;
             n_common += usize::from(self.between(b, v).is_some());
         }
+        // With a third common neighbour besides the apexes, an edge would get more than two faces.
+        // If there are only four vertices, the surface is a tetrahedron, and two faces back to back
+        // would remain.
         let n_union = n_around + self.one_ring(b).count() - n_common;
         n_common == 2 && n_union > 4
     }
@@ -212,6 +222,8 @@ impl HalfEdges {
                 break;
             }
         }
+        // The other side of the first face survives and starts at the merged vertex; the edge that
+        // is stored for `b` may belong to a removed face.
         let keep = self.twin(previous_in_face(h));
         self.drop_face(h);
         self.drop_face(across);

@@ -46,6 +46,7 @@ pub fn cache_misses(faces: &[[u32; 3]], cache: u32) -> u64 {
     let mut misses = 0_u64;
     for &vertex in faces.as_flattened() {
         let last = &mut entered_at[vertex as usize];
+        // Misses are counted from 1 on, so 0 means that the vertex was never in the cache.
         if *last == 0 || misses - *last >= u64::from(cache) {
             misses += 1;
             *last = misses;

@@ -79,6 +79,8 @@ impl Patch {
     }
 
     fn combine(&self, along_u: &[f64; 4], along_v: &[f64; 4]) -> [f64; 3] {
+        // `patch_grid.rs` repeats these operations in the same order, so that both give the same
+        // bits: a change here needs one there.
         std::array::from_fn(|k| {
             let row = |r: &[[f64; 3]; 4]| {
                 (along_u[0] * r[0][k] + along_u[1] * r[1][k]) + (along_u[2] * r[2][k] + along_u[3] * r[3][k])

@@ -21,6 +21,9 @@ pub fn winding_number(ring: &[[f64; 2]], point: [f64; 2]) -> Option<i32> {
     let mut winding = 0;
     let mut from = *ring.last()?;
     for &to in ring {
+        // A corner on the level of the point counts as below it. So two sides that meet there count
+        // once if the ring passes the level, and not at all or twice, in opposite directions, if it
+        // only touches it.
         let (starts_below, ends_below) = (from[1] <= point[1], to[1] <= point[1]);
         if starts_below != ends_below {
             match orient2d(from, to, point) {

@@ -62,6 +62,8 @@ impl<const D: usize> Polynomial<D> {
             if x == *node {
                 return *point;
             }
+            // The second barycentric form: whatever factor the weights have in common cancels in
+            // the quotient.
             let share = weight / (x - node);
             below += share;
             for k in 0..D {

@@ -254,6 +254,8 @@ impl HalfEdgeBuckets {
 /// Merges the two sorted lists of a bucket, one edge at a time.
 fn match_bucket(mut up: &[u64], mut down: &[u64], twins: &mut Twins) {
     while let Some(&first) = up.first().into_iter().chain(down.first()).min() {
+        // The lists are sorted, with the higher end in the leading bits: the smaller of the two
+        // first entries belongs to the next edge.
         let edge = higher_end(first);
         let of_edge = |list: &[u64]| list.iter().take_while(|&&entry| higher_end(entry) == edge).count();
         let (n_up, n_down) = (of_edge(up), of_edge(down));

@@ -195,6 +195,7 @@ impl Bvh {
             let [u, v, w] = near.barycentric;
             (u * corners[0][k] + v * corners[1][k] + w * corners[2][k]) / self.frame.scale
         });
+        // Divided twice, since the square of the scale may leave the range of f64.
         let distance_sq = near.distance_sq / query.scale / query.scale;
         Some(MeshClosestPoint { point, face: closest.face, barycentric: near.barycentric, distance_sq })
     }

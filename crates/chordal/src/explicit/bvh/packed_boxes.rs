@@ -148,6 +148,7 @@ impl PackedBoxes {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
             let mut hits = others.meeting(&boxes.lane(lane));
+            // Only later lanes, so that each pair is reported once and no triangle with itself.
             if group == other {
                 hits &= !(u32::MAX >> (31 - lane as u32));
             }

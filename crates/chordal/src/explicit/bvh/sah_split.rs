@@ -231,6 +231,7 @@ fn sweep<const N: usize>(bins: &[SahBin; N]) -> Option<(f32, usize)> {
     for i in (1..N).rev() {
         bounds.add(&bins[i].bounds);
         n += bins[i].n;
+        // NaN marks planes with no triangle to their right.
         right[i] = if n == 0 { f32::NAN } else { bounds.area() * n as f32 };
     }
     let (mut bounds, mut n) = (Box32::EMPTY, 0);
@@ -248,6 +249,8 @@ fn sweep<const N: usize>(bins: &[SahBin; N]) -> Option<(f32, usize)> {
 
 /// Moves the triangles below the plane to the front.
 fn part_at(prims: &mut [BvhPrimitive], plane: SplitPlane) -> (usize, [PrimitiveBounds; 2]) {
+    // The bins come from the same function as in the sweep: another formula could round a triangle
+    // to the other side, and leave one side empty.
     let is_left = |prim: &BvhPrimitive| plane.bins.bin_of(prim.doubled_centre())[plane.axis] < plane.below;
     let (mut left, mut right) = (PrimitiveBounds::EMPTY, PrimitiveBounds::EMPTY);
     let (mut i, mut j) = (0, prims.len());

@@ -185,5 +185,6 @@ pub(super) fn csr_lists<T: Copy + Default>(
         items[*slot as usize] = item;
         *slot += 1;
     }
+    // Filling has moved each start to the end of its list.
     (starts, items)
 }

@@ -140,6 +140,8 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
 
     fn vertices(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
         let listed = &rules.vertices;
+        // Rules for other than smooth vertices are listed in the order of the vertices; a task
+        // joins the list at its first vertex.
         let mut special = listed[listed.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
             let vertex = first + k;

@@ -235,6 +235,8 @@ impl RefinementStep<'_> {
             let start = here.map(|x| (1.0 - n * share) * x);
             return edges.iter().fold(start, |sum, e| plus(sum, share, self.other_end(*e, vertex)));
         }
+        // (F + 2·R + (n − 3)·v) / n, with the mean F of the points of faces and the mean R of the
+        // middles of edges, which contain v as well: n − 2 of it in all.
         let share = 1.0 / (n * n);
         let start = here.map(|x| (n - 2.0) / n * x);
         let sum = edges.iter().fold(start, |sum, e| plus(sum, share, self.other_end(*e, vertex)));

@@ -252,6 +252,8 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
         let (face, k, n) = (side as usize / 3, side as usize % 3, self.n);
         let triangles = self.triangles;
         out.clear();
+        // The line one row inside each side, in the direction of the side: row 1, the diagonal
+        // before the last, column 1.
         out.extend((0..n).map(|part| {
             let at = match k {
                 0 => (part, 1),

@@ -32,6 +32,7 @@ fn rule(sharpness: f64, sharp_edges: impl Iterator<Item = u32>) -> VertexRule {
         }
         count += 1;
     }
+    // A single sharp edge ends here, as a dart: smooth by definition of the scheme.
     match count {
         0 | 1 => VertexRule::Smooth,
         2 => VertexRule::Crease(two),
@@ -68,6 +69,8 @@ pub(super) fn subdivide_sharpness(
     if count < 2 {
         return decrement_sharpness(sharpness);
     }
+    // Chaikin's rule: three quarters of the edge's own sharpness and a quarter of the mean of the
+    // others; the sum contains the edge itself.
     let remaining = 0.75 * sharpness + 0.25 * ((sum - sharpness) / f64::from(count - 1)) - 1.0;
     greater(remaining, 0.0)
 }

@@ -124,6 +124,7 @@ fn crossing([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> Option<GridPoint>
     // a + (b − a)·s with s = from_a / (from_a − from_b), between 0 and 1, rounded to the centre of its cell.
     let (over, under) = (from_a, from_a - from_b);
     let (over, under) = if under < 0 { (-over, -under) } else { (over, under) };
+    // Halves are rounded up, since a cell includes its left and lower borders.
     let rounded = |k: usize| {
         let moved = 2 * i128::from(b[k] - a[k]) * over + under;
         a[k] + moved.div_euclid(2 * under) as i64

@@ -102,6 +102,7 @@ impl MonotoneChains {
     /// Joins two chains at their common point, which is the rightmost of both.
     pub fn merge(&mut self, lower: MonotoneChain, upper: MonotoneChain) -> MonotoneChain {
         let above = self.links[upper.lowest as usize].above;
+        // Each of the two has a link for the common point.
         self.free.push(upper.lowest);
         let rightmost = lower.highest;
         if above == NONE {

@@ -324,6 +324,8 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
             let before = winding;
             (0..2).for_each(|kind| winding[kind] += self.edges[edge].winding[kind]);
             self.sides[edge] = Some([before, winding]);
+            // Intervals between two of the edges begin at this point; the one above the last edge
+            // continues the interval that the point lies in, and its chain.
             self.above[edge] = match above {
                 Some(chain) if k == last && self.rule.holds(winding) => Some(chain),
                 _ => self.rule.holds(winding).then(|| self.chains.one(at)),
@@ -335,6 +337,8 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
     /// reach that point.
     fn expect_apart(&self, low: u32, high: u32) -> Result<(), EdgeCrossing> {
         let (low, high) = (self.edges[low as usize], self.edges[high as usize]);
+        // Points are numbered in the order of the sweep, so the edge with the lower end is the
+        // first to leave; it must leave on its own side of the other edge.
         let crosses = match low.to.cmp(&high.to) {
             Ordering::Equal => false,
             Ordering::Less => self.turn(high.from, high.to, low.to) == Ordering::Greater,

@@ -152,6 +152,8 @@ impl<const D: usize> EnclosedPiece<D> {
             }
             CurveSegment::Rational(curve) => {
                 let (x, w) = (&curve.weighted().0, &curve.weights().0);
+                // Control points are stored times their weights, so the origin is multiplied by the
+                // weight, too.
                 let point = |(x, [w]): (&[f64; D], &[f64; 1])| {
                     std::array::from_fn(|c| difference_of_product(x[c], origin[c], *w))
                 };
@@ -258,6 +260,7 @@ fn bezier_row<const N: usize>(knots: &KnotVector, span: usize, control: &[[Inter
     let coefficient = |j: usize| {
         let mut row = control.to_vec();
         for r in 1..=p {
+            // Coefficient j is the blossom with j arguments b and the others a.
             let t = if r - 1 < j { b } else { a };
             for i in (r..=p).rev() {
                 let (low, high) = (at(span - p + i), at(span + 1 + i - r));

@@ -74,6 +74,7 @@ impl<const D: usize> NurbsCurve<D> {
         let [from, to] = self.knots().domain();
         let inner: Vec<f64> = self.knots().knots().iter().copied().filter(|t| from < *t && *t < to).collect();
         let (mut curve, mut moved) = (self.clone(), 0.0);
+        // A knot occurs in the list as often as in the curve, and is tried that many times.
         for t in inner {
             let Ok(remaining) = Tolerance::new(sub_down(tolerance.get(), moved)) else { break };
             if let Ok((simpler, by)) = curve.without_knot(t, remaining) {
@@ -127,6 +128,8 @@ impl<'a, const D: usize> KnotRemoval<'a, D> {
             let (low, high) = (self.knots[i], self.knots[i + self.rows.degree]);
             [(high - self.t) / (high - low), (self.t - low) / (high - low)]
         };
+        // Each equation contains two neighbouring new points: from the left end it gives the next
+        // one, from the right end the previous one, up to the equation that is left out.
         for i in self.first..dropped {
             let [first_share, second_share] = shares(i);
             new[i] = std::array::from_fn(|k| (old[i][k] - first_share * new[i - 1][k]) / second_share);

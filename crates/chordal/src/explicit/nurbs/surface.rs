@@ -194,6 +194,7 @@ impl BezierNet<'_> {
         let w = x[3];
         let point = |x: [f64; 4]| -> [f64; 3] { [x[0] / w, x[1] / w, x[2] / w] };
         let position = point(x);
+        // The quotient rule, solved for the derivative: with X = w·x, x′ = (X′ − x·w′) / w.
         let first = |d: [f64; 4]| -> [f64; 3] { std::array::from_fn(|k| (d[k] - position[k] * d[3]) / w) };
         let (u, v) = (first(xu), first(xv));
         let uv = std::array::from_fn(|k| (xuv[k] - u[k] * xv[3] - v[k] * xu[3] - position[k] * xuv[3]) / w);

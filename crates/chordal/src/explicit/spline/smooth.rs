@@ -154,6 +154,8 @@ impl<const D: usize> TangentSystem<'_, D> {
         let n = self.points.len();
         let end = |side: usize| {
             let slope = self.slope(if side == 0 { 0 } else { n - 2 });
+            // Without tangents the second derivative is 0 at the ends: 2·m₀ + m₁ = 3·d₀, and alike
+            // at the last point.
             match ends {
                 Some(tangents) => TangentRow([0.0, 1.0, 0.0], tangents[side]),
                 None if side == 0 => TangentRow([0.0, 2.0, 1.0], slope.map(|x| 3.0 * x)),

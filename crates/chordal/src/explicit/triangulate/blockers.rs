@@ -32,6 +32,7 @@ impl Blockers {
         self.items.extend(items);
         self.leaf_of.clear();
         self.leaf_of.resize(points.len(), NONE);
+        // A complete binary tree in an array: the children of node i are 2i + 1 and 2i + 2.
         let leaves = self.items.len().div_ceil(LEAF).next_power_of_two();
         self.nodes.clear();
         self.nodes.resize(2 * leaves - 1, BlockerNode { min: [0.0; 2], max: [0.0; 2], alive: 0 });

@@ -459,6 +459,8 @@ fn turns_right(points: &[[f64; 2]]) -> bool {
     let is_before = |a: [f64; 2], b: [f64; 2]| a[0] < b[0] || a[0] == b[0] && a[1] < b[1];
     let at = (1..n).fold(0, |lowest, i| if is_before(points[i], points[lowest]) { i } else { lowest });
     let other = |step: usize| (1..n).map(|k| points[(at + k * step) % n]).find(|p| *p != points[at]);
+    // No point is farther left, so a contour that does not cross itself is convex at this corner, and
+    // its turn there is that of the whole contour: one exact predicate instead of a rounded area.
     match (other(n - 1), other(1)) {
         (Some(before), Some(after)) => orient2d(before, points[at], after) == Orientation::Back,
         _ => false,

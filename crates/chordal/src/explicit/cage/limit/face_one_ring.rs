@@ -181,6 +181,11 @@ impl FaceOneRing {
         }
         let mut classes = Vec::with_capacity(4 * self.cage.corners.len());
         for (face, vertices) in self.cage.faces().enumerate() {
+            //         2
+            //        / \
+            //       *---*        inside(k) cuts off corner k. The central triangle comes last and starts in
+            //      / \ / \       the middle of the side from 0 to 1, so its first side cuts off corner 1.
+            //     0---*---1
             let inside = |k: usize| (2 * edges.ends.len() + 3 * face + k) as u32;
             let half = |k: usize, vertex: u32| {
                 let edge = edges.of_corner[3 * face + k];
