@@ -114,6 +114,7 @@ fn sum(a: &[u32], b: &[u32]) -> Vec<u32> {
 fn difference(a: &[u32], b: &[u32]) -> Vec<u32> {
     let mut borrow = false;
     let limbs = a.iter().enumerate().map(|(i, &limb)| {
+        // At most one of the two underflows: after the first, `once` is at least 1.
         let (once, under) = limb.overflowing_sub(b.get(i).copied().unwrap_or(0));
         let (twice, under_again) = once.overflowing_sub(u32::from(borrow));
         borrow = under || under_again;

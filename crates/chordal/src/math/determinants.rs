@@ -156,6 +156,8 @@ pub(crate) fn common_zero3([a, b]: [[i64; 3]; 2]) -> Option<[f64; 3]> {
 /// [`common_zero3`] for three functions on a tetrahedron.
 pub(crate) fn common_zero4(rows: [[i64; 4]; 3]) -> Option<[f64; 4]> {
     const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
+    // The minors with alternating signs are orthogonal to each row, since a determinant with a
+    // repeated row is 0. So all common zeros are multiples of this one vector.
     let weights: [Int256; 4] = std::array::from_fn(|k| {
         let minor = determinant3(rows.map(|row| OTHERS[k].map(|i| row[i])));
         if k % 2 == 0 { minor } else { minor.negated() }

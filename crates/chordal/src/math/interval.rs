@@ -316,6 +316,7 @@ impl Interval {
 
     /// An odd power is monotone, so each end depends on one end of the base.
     fn odd_power(self, count: u32) -> Self {
+        // `power` takes numbers from 0 on; behind a minus sign, an upper bound is a lower one.
         let low = |x: f64| {
             if x < 0.0 { -power(-x, count, product_up) } else { power(x, count, product_down) }
         };

@@ -81,6 +81,7 @@ pub fn tan(x: f32) -> f32 {
 #[must_use]
 #[inline(always)]
 pub fn exp(x: f32) -> f32 {
+    // Beyond these, results are ∞ and 0 in any case. NaN fails both comparisons and stays.
     let x = if x > 89.0 { 89.0 } else { x };
     let x = if x < -104.0 { -104.0 } else { x };
     let k = (x * std::f32::consts::LOG2_E + TO_WHOLE) - TO_WHOLE;
@@ -93,6 +94,8 @@ pub fn exp(x: f32) -> f32 {
     p = 1.0 / 6.0 + r * p;
     p = 1.0 / 2.0 + r * p;
     let y = 1.0 + (r + r * r * p);
+    // In two factors, since 2^k itself may be too large or too small for f32 where the result
+    // isn't.
     let half = (0.5 * k + TO_WHOLE) - TO_WHOLE;
     y * power_of_two(half) * power_of_two(k - half)
 }

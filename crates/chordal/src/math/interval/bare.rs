@@ -238,6 +238,7 @@ impl BareInterval {
     pub(crate) fn log_sum_exp(self, other: Self) -> Self {
         let at = |a: f64, b: f64| {
             let (low, high) = (lower(a, b), upper(a, b));
+            // Equal infinities have no difference.
             let fall = if low == high { 0.0 } else { low - high };
             high + elementary::ln(1.0 + elementary::exp(fall))
         };
@@ -303,6 +304,7 @@ impl BareInterval {
         let (first, last) = self.integers_between(shift);
         let (none, one) = (last < first, last == first);
         let even = (0.5 * first).floor() * 2.0 == first;
+        // Of two integers in a row, one is even and one is odd.
         let (top, bottom) = (!none & (!one | even), !none & (!one | !even));
         let lo = upper(down(lower(at_lo, at_hi), spread::SIN), -1.0);
         let hi = lower(up(upper(at_lo, at_hi), spread::SIN), 1.0);
