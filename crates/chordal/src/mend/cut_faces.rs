@@ -40,6 +40,7 @@ impl<'a> FaceCutter<'a> {
         for (_, face) in (0..).zip(mesh.faces()).filter(|(face, _)| !is_left_out(*face)) {
             let [a, b, c] = face.map(id);
             for edge in [[a, b], [b, c], [c, a]] {
+                // Every new edge ends at an inserted vertex, so no other edge can get a third face.
                 if edge.iter().any(|end| inserted.contains(end)) {
                     *edges.entry(sorted(edge)).or_insert(0) += 1;
                 }
@@ -101,6 +102,7 @@ impl<'a> FaceCutter<'a> {
         let at = |row: u32| DVec3::from(self.mesh.positions()[row as usize]);
         let [a, b] = ends.map(at);
         let along = b - a;
+        // Scaled, so that squares stay in the range of f64; the factor cancels in t.
         let size = along.abs().max_element();
         let (along, from_a) = (along / size, (at(row) - a) / size);
         let t = from_a.dot(along) / along.dot(along);

@@ -156,6 +156,7 @@ impl FlatComponents {
         let at = |h: u32| mesh.positions()[mesh.faces()[h as usize / 3][h as usize % 3] as usize];
         let around: Vec<_> = hole.iter().map(|&h| at(h)).collect();
         let up = face_normal([0, 1, 2].map(|k| at(3 * face + k)));
+        // A face without area leaves the direction open; then the loop isn't filled.
         up.is_none_or(|up| dot(up, loop_normal(&around)) > 0.0)
     }
 }

@@ -128,6 +128,7 @@ fn interpolate(attribute: &Attribute, sources: impl Iterator<Item = AttributeSou
     let mut values = Vec::with_capacity(attribute.values.len());
     for AttributeSource { from, to, t } in sources {
         let (a, b) = (attribute.row(from as usize), attribute.row(to as usize));
+        // A group is a name, and names have no mean: that of the nearer end counts.
         let is_group = matches!(attribute.semantic, Semantic::Group(_));
         // (1 − t)·a + t·a is not always a, so equal rows are copied.
         if t == 0.0 || a == b || (is_group && t < 0.5) {

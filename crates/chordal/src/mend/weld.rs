@@ -281,6 +281,7 @@ fn rebuild(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> 
 
 /// For every row: the first row with the same id and, bit for bit, the same attributes.
 fn same_rows(ids: &[u32], streams: &[&Attribute]) -> Vec<u32> {
+    // Bits and not values: NaN equals itself, and −0 stays apart from 0.
     let bits = |row: u32| streams.iter().flat_map(move |s| s.row(row as usize)).map(|x| x.to_bits());
     let mut rows: Vec<u32> = (0..ids.len() as u32).collect();
     rows.sort_unstable_by(|&a, &b| {
