@@ -382,6 +382,7 @@ impl Bound {
         if distance == 0.0 {
             return self.clone();
         }
+        // An exact result is off by the distance itself; the rounded sum would be more.
         let most = self.at_most.map(|most| if most == 0.0 { distance } else { add_up(most, distance) });
         let is_known = most.is_none_or(f64::is_finite);
         let least = sub_down(self.at_least, distance);
@@ -397,6 +398,8 @@ impl Bound {
 
     /// The part of this step's lower bound, in `metric`, that remains after the step `other`.
     fn remaining_lower_bound(&self, other: &Self, metric: Metric) -> f64 {
+        // The triangle inequality: the other step takes back no more than it moves. That needs a
+        // bound for the points of both surfaces, in the same metric.
         match other.at_most {
             Some(most)
                 if self.metric == metric && !matches!(other.metric, Metric::OneSided | Metric::Solid) =>
