@@ -230,6 +230,9 @@ impl TracedSurface for FieldSurface<'_> {
     }
 
     fn with_occlusion<R>(&self, work: impl Fn(&mut dyn OcclusionTest) -> R) -> Result<R, FieldRenderError> {
+        // Two passes over the same work: the first collects the rays, and answers each with
+        // `false`; the second gets the answers in the same order. So the rays that `work` asks for
+        // must not depend on the answers.
         let mut collector = ShadowRayCollector { beams: Vec::new(), size: self.size };
         let result = work(&mut collector);
         if collector.beams.is_empty() {
