@@ -192,6 +192,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] message: Value<'v>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<NoneType> {
+        // Every shape is true, so that a forgotten comparison would pass as a check that holds.
         if condition.downcast_ref::<StarlarkShape>().is_some() {
             return Err(fault(CallError(format!(
                 "check() needs True or False, not {}",

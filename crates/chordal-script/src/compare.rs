@@ -15,6 +15,7 @@ pub(crate) fn equal<'v>(
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<bool> {
     let (Some(left), Some(right)) = (elements(a), elements(b)) else { return equal_simple(a, b, eval) };
+    // As in Python, a list and a tuple are never equal.
     if a.get_type() != b.get_type() || left.len() != right.len() {
         return Ok(false);
     }
@@ -38,6 +39,7 @@ fn equal_simple<'v>(a: Value<'v>, b: Value<'v>, eval: &mut Evaluator<'v, '_, '_>
     if number(a).is_some() || a.unpack_str().is_some() || a.unpack_bool().is_some() || a.is_none() {
         a.equals(b)
     } else {
+        // Others, such as shapes, equal only themselves: comparing their terms could take any time.
         Ok(a.ptr_eq(b))
     }
 }

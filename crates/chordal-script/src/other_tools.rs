@@ -13,6 +13,8 @@ pub(crate) fn equivalent_of(name: &str) -> Option<String> {
     let letters = letters_of(name);
     let is_alike = |other: &str| letters_of(other) == letters;
     let in_language = || language::functions().find(|function| is_alike(function.name)).map(Function::usage);
+    // A name that another tool has exactly so comes first; a name of this language that is only
+    // spelled differently comes before other tools' names that are merely alike.
     in_table(&|other| other == name).or_else(in_language).or_else(|| in_table(&is_alike))
 }
 

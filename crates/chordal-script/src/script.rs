@@ -195,6 +195,7 @@ fn script_of(
 /// Replaces the offsets of shapes in the parsed text by lines of the script.
 fn steps_by_line(steps: Vec<(usize, Field)>, source: &ScriptSource) -> Vec<ScriptStep> {
     let offsets: Vec<usize> = steps.iter().map(|(offset, _)| source.place(*offset)).collect();
+    // The lines are counted in one pass over the text, for which offsets have to be in order.
     let mut in_order_of_text = offsets.clone();
     in_order_of_text.sort_unstable();
     in_order_of_text.dedup();

@@ -120,6 +120,7 @@ pub(crate) fn to_starlark<'v>(value: Arg, eval: &mut Evaluator<'v, '_, '_>) -> s
 fn charged_arg<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Arg> {
     if let Some(list) = elements(value) {
         Meter::charge(eval, list.len())?;
+        // `arg_of` copies the lists in a list as well, and no deeper ones.
         for inner in list.iter().filter_map(|inner| elements(*inner)) {
             Meter::charge(eval, inner.len())?;
         }

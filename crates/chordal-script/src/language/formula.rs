@@ -69,6 +69,7 @@ const fn binary_function(
 ) -> Function {
     const YX: &[FunctionParameter] = &[formula("y"), formula("x")];
     const AB: &[FunctionParameter] = &[formula("a"), formula("b")];
+    // A `const fn` cannot compare strings.
     let parameters = if names[0].len() == 1 && names[0].as_bytes()[0] == b'y' { YX } else { AB };
     Function { name, parameters, about, distance: "", make }
 }

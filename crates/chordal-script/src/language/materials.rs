@@ -103,6 +103,7 @@ fn color_of_text(text: &str) -> Option<[f64; 4]> {
     }
     let digits: Vec<u32> = text.strip_prefix('#')?.chars().map(|c| c.to_digit(16)).collect::<Option<_>>()?;
     let level = |k: usize| match digits.len() {
+        // #abc stands for #aabbcc, and 16·a + a = 17·a.
         3 | 4 => digits.get(k).map(|digit| 17 * digit),
         _ => digits.get(2 * k).zip(digits.get(2 * k + 1)).map(|(high, low)| 16 * high + low),
     };

@@ -180,6 +180,7 @@ fn arc(args: &BoundArgs) -> Result<Arg, CallError> {
 
 /// The direction at an angle that is a multiple of 90 degrees.
 fn quarter_turn(degrees: f64) -> Option<[f64; 2]> {
+    // By sine and cosine, such a direction would miss its axis by a rounding.
     match degrees.rem_euclid(360.0) {
         0.0 => Some([1.0, 0.0]),
         90.0 => Some([0.0, 1.0]),
