@@ -60,6 +60,7 @@ fn in_ascii(json: &str) -> String {
             text.push(letter);
             continue;
         }
+        // A character beyond 16 bits is two escapes in JSON, its surrogates.
         for unit in letter.encode_utf16(&mut [0; 2]) {
             text.push_str(&format!("\\u{unit:04x}"));
         }

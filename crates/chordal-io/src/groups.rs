@@ -59,6 +59,7 @@ impl Groups {
         }
         let mut values = with_room(n_triangles)?;
         let ends = self.runs.iter().skip(1).map(|(from, _)| *from).chain([n_triangles]);
+        // Triangles before the first statement belong to no group.
         values.resize(self.runs.first().map_or(0, |(from, _)| *from), 0.0);
         for ((_, number), end) in self.runs.iter().zip(ends) {
             values.resize(end, f64::from(*number));

@@ -116,6 +116,9 @@ impl InstanceTransform {
         let cross = |a: [f64; 3], b: [f64; 3]| {
             [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
         };
+        // Normals turn by the inverse transpose. The cofactors are a multiple of it, and exist for
+        // singular matrices too; the sign of that multiple, negative for mirrors, is taken out
+        // below.
         let cofactors =
             [cross(columns[1], columns[2]), cross(columns[2], columns[0]), cross(columns[0], columns[1])];
         let determinant: f64 = (0..3).map(|k| columns[0][k] * cofactors[0][k]).sum();
@@ -168,6 +171,8 @@ impl<'a> PartInstance<'a> {
             match (&attribute.semantic, row) {
                 (Semantic::Normal, [_, _, _, rest @ ..]) => [&self.normal(row)[..], rest].concat(),
                 (Semantic::Tangent, [x, y, z, sign, rest @ ..]) => {
+                    // The bitangent is sign · normal × tangent, and a mirror reverses the cross
+                    // product.
                     let sign = if transform.is_mirror { -sign } else { *sign };
                     let tangent = unit(combine(&transform.columns, [*x, *y, *z])).unwrap_or_default();
                     [&tangent[..], &[sign], rest].concat()

@@ -417,6 +417,7 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
         let (id, name) = (self.attribute("id"), self.attribute("name"));
         let number = self.document.nodes.len();
         let name = if name.is_empty() { id.clone() } else { name };
+        // If several nodes have one id, the first counts.
         if !id.is_empty() {
             self.document.node_ids.entry(id).or_insert(number);
         }
@@ -566,6 +567,8 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
             match number(token) {
                 Some(value) => numbers.push(value),
                 None => {
+                    // The token is a part of the content, so the difference of their addresses is
+                    // its offset.
                     let at = (token.as_ptr() as usize).saturating_sub(content.as_ptr() as usize);
                     let place = place(self.text, self.content_at + at.min(content.len()));
                     return Err(ReadError::new("not-a-number", place, number_error(token)));

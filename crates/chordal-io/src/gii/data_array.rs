@@ -175,6 +175,7 @@ impl<'a> GiftiArray<'a> {
         let mut stream = InflateReader::either(packed, 0);
         let most = n_bytes as usize + 1;
         let mut bytes: Vec<u8> = with_room(most.min(STEP))?;
+        // Memory grows with the bytes that come, not with the number that the file declares.
         while bytes.len() < most {
             let (from, step) = (bytes.len(), STEP.min(most - bytes.len()));
             bytes.try_reserve(step).map_err(|_| out_of_memory(from))?;

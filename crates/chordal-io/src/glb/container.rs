@@ -34,6 +34,8 @@ pub(super) fn chunks<'a>(
 ) -> Result<GlbChunks<'a>, ReadError> {
     match split(bytes, 4, report) {
         Err(error) if is_tolerated_code(error.code, limits) => {
+            // The second attempt drops one rule, that lengths are multiples of four; if that
+            // doesn't help, the first error is the better one.
             let Ok(chunks) = split(bytes, 1, report) else { return Err(error) };
             report.add(error.code, error.place, error.message);
             Ok(chunks)

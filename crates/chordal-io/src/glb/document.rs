@@ -289,6 +289,8 @@ impl<'a> GltfDocument<'a> {
             for (name, attribute) in found {
                 let at = self.add(AccessorStream::morph(name, attribute)?)?;
                 if name == "POSITION" {
+                    // Bounds of what is stored, so in single precision; adding 0 removes the sign
+                    // of −0.
                     let mut bounds = [vec![f64::INFINITY; 3], vec![f64::NEG_INFINITY; 3]];
                     for (i, x) in attribute.values.iter().enumerate() {
                         let x = f64::from(*x as f32) + 0.0;
@@ -385,6 +387,8 @@ impl<'a> GltfDocument<'a> {
         });
         packed["mode"] = json!(if is_index { "TRIANGLES" } else { "ATTRIBUTES" });
         let n_unpacked = count * stride;
+        // Buffer 1 has no bytes in the file. A view of it tells readers that know the extension
+        // where the unpacked bytes belong, and its own extension where the packed ones are.
         let mut view = json!({ "buffer": 1, "byteOffset": self.n_unpacked, "byteLength": n_unpacked });
         if !is_index {
             view["byteStride"] = json!(stride);

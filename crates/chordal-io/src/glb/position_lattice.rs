@@ -48,6 +48,8 @@ impl PositionLattice {
             return None;
         }
         let mut step = greater(finest, least);
+        // The corner is rounded down to single precision, from which 16 bits of the finest step may
+        // not reach the far end.
         while step <= most {
             let lattice = Self { step };
             if lattice.corner(&grown).is_some() {

@@ -31,6 +31,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let header = NpyHeader::read(bytes, limits)?;
     let shape: [i64; 3] = header.shape.as_slice().try_into().map_err(|_| wrong_axes(&header))?;
+    // The first index of a grid varies fastest, as in Fortran; in the order of C it is the last.
     let declared = if header.fortran_order { shape } else { [shape[2], shape[1], shape[0]] };
     let size = size_of(declared, header.element, &header.shape_place, limits)?;
     if let Some(index) = limits.index.filter(|index| *index > 0) {

@@ -57,6 +57,7 @@ impl CageBuilder {
         }
         push(&mut self.corners, corner.position)?;
         if corner.texcoord > 0 || !self.texcoords.is_empty() {
+            // Rows are counted from 1; 0, for none, becomes `CornerTexcoords::NONE`.
             push(&mut self.texcoords, corner.texcoord.wrapping_sub(1))?;
         }
         self.n_normals += u64::from(corner.normal > 0);
@@ -171,6 +172,8 @@ fn finite(mut texcoords: CornerTexcoords, warnings: &mut Warnings) -> CornerTexc
         *row = CornerTexcoords::NONE;
         n_corners += 1;
     }
+    // The rows stay, so that other corners keep their indices; but a cage refuses numbers that are
+    // not finite, even if no corner uses them.
     texcoords.values.iter_mut().filter(|p| !is_finite(p)).for_each(|p| *p = [0.0; 2]);
     let message = "corners whose texture coordinates are not finite have none";
     warnings.count_all("attribute-not-finite", n_corners, message);
@@ -181,6 +184,8 @@ fn finite(mut texcoords: CornerTexcoords, warnings: &mut Warnings) -> CornerTexc
 fn kept_holes(holes: &[u32], short: &[u32], warnings: &mut Warnings) -> Result<Vec<u32>, ReadError> {
     let mut kept = with_room(holes.len())?;
     for hole in holes {
+        // The index at which the hole would stand in the sorted list is the number of skipped faces
+        // before it.
         match short.binary_search(hole) {
             Ok(_) => {
                 warnings.count_all("holes-skipped", 1, "holes in faces that were skipped were skipped too")

@@ -188,9 +188,11 @@ fn is_gray(bytes: &[u8]) -> bool {
     // components (ITU-T T.81, B.2.2).
     let mut at = 2;
     while let Some(&[0xff, marker, high, low, _, _, _, _, _, n_components]) = bytes.get(at..at + 10) {
+        // c4, c8 and cc are tables and a reserved marker among the markers of frames.
         if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
             return n_components == 1;
         }
+        // The length includes its own two bytes; a smaller one would stop the walk.
         at += 2 + usize::from(u16::from_be_bytes([high, low])).max(2);
     }
     false

@@ -42,6 +42,7 @@ impl ObjVertexTable {
         if *first_pair == pair {
             return Ok(corner.position);
         }
+        // Only positions at seams get further, and need the map.
         if *first_pair == [UNUSED, UNUSED] {
             *first_pair = pair;
             return Ok(corner.position);

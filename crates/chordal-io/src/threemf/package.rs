@@ -151,6 +151,7 @@ pub(super) fn part_name(from: &str, target: &str) -> Result<String, &'static str
             None => target.to_owned(),
         },
     };
+    // With a colon in its first segment, a reference is a URI with a scheme.
     let first = target.split('/').next().unwrap_or("");
     if first.contains(':') {
         return Err("leaves the package, and nothing is fetched");

@@ -134,6 +134,7 @@ fn volume(json: &mut JsonReader<'_>) -> TileParseResult<BoundingVolume> {
     let mut volume = None;
     json.object(|json, key| {
         match key {
+            // A box wins over the others, in whatever order they are.
             "box" => volume = Some(BoundingVolume::Box(numbers(json)?)),
             "region" => volume = volume.or(Some(BoundingVolume::Region(numbers(json)?))),
             "sphere" => {

@@ -141,6 +141,7 @@ impl<'a> CrateCursor<'a> {
         };
         let size = packed_size::<W>(n).ok_or_else(|| broken("are too many"))?;
         let bytes = self.packed(size, budget)?;
+        // Each integer has a code of two bits, even if nothing else.
         if bytes.len() < n.div_ceil(4) {
             return Err(broken("are said to be where there are fewer"));
         }

@@ -145,6 +145,7 @@ impl<'a> CrateValues<'a> {
             CrateKind::Matrix(n) => self.matrix(value, n),
             CrateKind::Quaternion(number) => {
                 let mut quaternions = self.numbers(value, number, 4)?;
+                // The binary form has the real part last, the text form first.
                 if let UsdValue::Numbers(numbers) = &mut quaternions {
                     numbers.values.chunks_exact_mut(4).for_each(|row| row.rotate_right(1));
                 }

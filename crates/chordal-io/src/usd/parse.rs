@@ -428,6 +428,7 @@ impl UsdaParser<'_> {
         let mut first = None;
         while !self.scanner.take(b'}')? {
             let time = self.scanner.word()?;
+            // A colon may be part of a word, as in names with a namespace.
             if !time.ends_with(':') {
                 let is_number = crate::text::number(time.as_bytes()).is_some();
                 if !is_number || self.scanner.word()? != ":" {
@@ -490,6 +491,7 @@ impl UsdaParser<'_> {
             if let Some(name) = self.prims[prim as usize].type_name() {
                 variant.more_mut().type_name = Some(name.into());
             }
+            // A variant is no child of the prim: its content counts only if it is chosen.
             let number = push_prim(&mut self.prims, NO_PRIM, variant)?;
             self.prim_rest(number, depth + 1)?;
             push(&mut variants, UsdVariant { name: name.into(), prim: number })?;

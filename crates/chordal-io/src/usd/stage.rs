@@ -191,6 +191,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
     /// The names of all children, in their order.
     pub(super) fn child_names(&self, parent: &StagePrim) -> Result<Vec<Box<str>>, ReadError> {
         let (mut names, mut seen) = (Vec::new(), BTreeSet::new());
+        // The strongest source comes first in the list, and its names come last.
         for source in parent.sources.iter().rev() {
             let layer = &self.layers[source.layer as usize];
             for child in layer.children(source.prim) {

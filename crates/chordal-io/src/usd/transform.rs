@@ -125,6 +125,7 @@ pub(super) fn quaternion_matrix(q: [f64; 4]) -> Option<[f64; 16]> {
     if !(square > 0.0 && square.is_finite()) {
         return None;
     }
+    // The square takes the quaternion's length out of the products below, without a root.
     let s = 2.0 / square;
     let mut matrix = IDENTITY;
     matrix[0] = 1.0 - s * (y * y + z * z);

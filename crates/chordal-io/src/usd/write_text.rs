@@ -123,6 +123,7 @@ impl UsdNames {
             safe.insert(0, '_');
         }
         let mut tried = safe.clone();
+        // Not from 1: a thousand equal names would try a thousand numbers each.
         let mut number = self.taken.len();
         while !self.taken.insert(tried.clone()) {
             tried = format!("{safe}_{number}");

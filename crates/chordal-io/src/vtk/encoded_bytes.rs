@@ -125,6 +125,8 @@ impl<'a> EncodedBytes<'a> {
             if self.n_spare == 0 {
                 self.quartet(n as u64)?;
             }
+            // A part of the stream may end within a group of four characters; the rest of its three
+            // bytes belongs to the next part.
             let more = self.n_spare.min(n - decoded.len());
             decoded.extend_from_slice(&self.spare[..more]);
             self.spare.copy_within(more.., 0);

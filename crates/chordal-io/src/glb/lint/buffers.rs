@@ -55,6 +55,7 @@ pub(super) struct UseTable {
 impl UseTable {
     pub fn from_model(model: &GltfModel<'_>) -> Self {
         let by_target = |view: &Option<GltfBufferView>| match view.as_ref()?.target? {
+            // ARRAY_BUFFER; of the values that pass the rules only ELEMENT_ARRAY_BUFFER is left.
             34962 => Some(BufferViewUse::Vertices),
             _ => Some(BufferViewUse::Indices),
         };
@@ -126,6 +127,7 @@ impl<'a> GltfLint<'a> {
             let Some(GltfBuffer { byte_length: Some(length), data: Some(data), .. }) = buffer else {
                 continue;
             };
+            // More bytes are no error: a BIN chunk is padded to a multiple of four.
             if (data.len() as u64) < *length {
                 self.within("buffers", |lint| {
                     lint.within(i, |lint| {

@@ -79,6 +79,7 @@ impl NodeForest {
         }
         // The highest ancestor that is not common is a child of the lowest common one.
         let mut below = a;
+        // Jumps halve each time, so the longest goes first and each is taken at most once.
         for step in self.up.iter().rev() {
             if !self.is_ancestor(step[below], b) {
                 below = step[below];

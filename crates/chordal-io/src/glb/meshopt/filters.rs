@@ -114,6 +114,8 @@ pub(super) fn color(rows: &mut [u8], stride: usize) -> Result<(), String> {
         let (y, co, cg) = (i32::from(y), i32::from(co), i32::from(cg));
         let top = alpha.ilog2();
         let one = (2_i32 << top) - 1;
+        // The highest bit tells the precision, so alpha has one bit fewer than the colours: its
+        // lowest bit is repeated.
         let alpha = i32::from(alpha) & (one >> 1);
         let alpha = alpha << 1 | (alpha & 1);
         let rgba = [y + co - cg, y + cg, y - co - cg, alpha];

@@ -71,6 +71,7 @@ impl TriangleDecoder<'_> {
             }
         };
         self.vertices.push(c);
+        // In the direction in which the neighbours across these edges run.
         self.push_edges([[c, b], [a, c]]);
         Ok([a, b, c])
     }

@@ -41,6 +41,8 @@ fn put_column(deltas: &[u8], out: &mut Vec<u8>) {
             0 if group.iter().all(|delta| *delta == 0) => 0,
             0 => usize::MAX,
             8 => GROUP,
+            // Sixteen differences take 2 · `bits` bytes; each that doesn't fit is an escape with a
+            // byte of its own.
             bits => 2 * usize::from(bits) + group.iter().filter(|delta| **delta >= all_set(bits)).count(),
         };
         let choice = (0..BITS_V0.len()).min_by_key(|choice| size(BITS_V0[*choice])).unwrap_or(3);
