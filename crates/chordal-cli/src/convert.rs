@@ -85,7 +85,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
         return Err(Fault::usage(mesh_advice(&input.shape, &name, output)));
     }
     let is_drawing = matches!(input.shape, Shape::Drawing(_));
-    if args.options.length.is_some() && !(is_drawing && to == Format::Svg) {
+    if args.options.length.is_some() && !(is_drawing && to.holds_cubics()) {
         return Err(Fault::usage("--tol is for drawings written as svg: other shapes are converted exactly"));
     }
     let hint = if args.options.length.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };

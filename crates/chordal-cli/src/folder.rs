@@ -31,7 +31,7 @@ fn is_slice(path: &Path) -> bool {
     const HEAD: u64 = 132;
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
-    read.is_ok() && Format::sniff(&head) == Some(Format::Dicom)
+    read.is_ok() && Format::sniff(&head).is_some_and(Format::is_slice)
 }
 
 #[cfg(test)]

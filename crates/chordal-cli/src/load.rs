@@ -96,19 +96,18 @@ pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<
     let [first, second] = args;
     let inputs = [RawInput::read(first, job)?, RawInput::read(second, job)?];
     let formats = [inputs[0].format(first), inputs[1].format(second)];
-    let has_script = formats.contains(&Some(Format::Star));
-    if first.read.text.is_some() && !formats.contains(&Some(Format::Ttf)) && !formats.contains(&None) {
+    // An input of unknown format passes here; loading refuses it with a better message.
+    let none = |is_so: fn(Format) -> bool| formats.iter().all(|format| format.is_some_and(|f| !is_so(f)));
+    if first.read.text.is_some() && none(Format::is_font) {
         return Err(Fault::usage("--text is for fonts, and neither of the two is one"));
     }
-    let has_field = has_script || formats.contains(&Some(Format::Vm));
-    // An input of unknown format passes here; loading refuses it with a better message.
-    if !first.read.set.is_empty() && !has_script && !formats.contains(&None) {
+    if !first.read.set.is_empty() && none(Format::is_script) {
         return Err(Fault::usage("--set is for shape scripts, and neither of the two is one"));
     }
-    if first.read.region.is_some() && !has_field && !formats.contains(&None) {
+    if first.read.region.is_some() && none(Format::holds_fields) {
         return Err(Fault::usage("--region is for fields, and neither of the two is one"));
     }
-    if first.read.surface.is_some() && !formats.contains(&Some(Format::Obj)) && !formats.contains(&None) {
+    if first.read.surface.is_some() && none(|format| format == Format::Obj) {
         return Err(Fault::usage("--surface is for polygons (.obj), and neither of the two has any"));
     }
     let [a, b] = inputs;
@@ -122,14 +121,16 @@ pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<
 fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
     let mut args = args.clone();
     let read = &mut *args.read;
-    if format != Some(Format::Star) {
+    let is = |is_so: fn(Format) -> bool| format.is_some_and(is_so);
+    if !is(Format::is_script) {
         read.set.clear();
-        read.region = read.region.filter(|_| format == Some(Format::Vm));
+        read.region = read.region.filter(|_| is(Format::holds_fields));
     }
-    if format != Some(Format::Ttf) {
+    if !is(Format::is_font) {
         (read.text, read.em) = (None, None);
         read.axes.clear();
     }
+    // A file of USD says itself which of its polygons are a cage.
     read.surface = read.surface.filter(|_| format == Some(Format::Obj));
     args
 }

@@ -59,7 +59,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
 fn attempts(args: &MeshArgs) -> Vec<Option<RequiredEvidence>> {
     let name = args.input.input.to_string_lossy();
     let hint = FormatHint { name: Some(&name), format: args.input.read.from, ..FormatHint::default() };
-    let is_field = matches!(hint.format_of(&[]), Some(Format::Star | Format::Vm));
+    let is_field = hint.format_of(&[]).is_some_and(Format::holds_fields);
     match args.options.require() {
         None if is_field && args.boolean.operands.is_empty() => vec![Some(RequiredEvidence::Estimated), None],
         require => vec![require],

@@ -2,10 +2,12 @@
 use crate::drawing::Polylines;
 use crate::error::{ReadError, WriteError};
 use crate::files::FileOpener;
+use crate::frame::{Axis, Frame};
 use crate::scene::{ReadOutcome, Scene};
 use crate::{FileSet, Limits, Polygons, Volume};
 use chordal::budget::advice::Message;
 use chordal::explicit::Attribute;
+use chordal::implicit::SparseGrid;
 use serde_json::Value;
 use std::io::Write;
 
@@ -65,12 +67,42 @@ pub(crate) struct TriangleFormat {
     pub has_certificate: bool,
     /// Whether a file may hold points without any triangle.
     pub holds_points: bool,
+    /// Whether parts are names of faces in one mesh, whose vertices they share.
+    pub shares_vertices: bool,
+    /// Whether a triangle may not have the same corner twice.
+    pub forbids_collapsed_faces: bool,
+    /// The axis that is always up, so that the writer turns other scenes; `None` if each file has its own.
+    pub up: Option<Axis>,
     /// Whether an attribute is kept; the second argument is, for each row, the first row of the same vertex.
     /// `None` if the writer itself reports what it leaves out.
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
     /// Other changes that the writer makes, and the properties of materials that it leaves out, as sentences.
     /// If this is `None` and the format has no separate files, the writer leaves out all materials.
     pub changes: Option<fn(&Scene) -> Vec<Message>>,
+}
+
+/// How a format holds polylines.
+pub(crate) struct PolylineFormat {
+    pub write: fn(&Polylines, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
+    /// Whether cubic curves are kept.
+    pub holds_cubics: bool,
+    /// Whether curves in space are kept.
+    pub holds_space: bool,
+    /// Whether y grows downwards.
+    pub is_y_down: bool,
+    /// Whether elements are kept: their names, how they are filled, the box of view.
+    pub holds_elements: bool,
+}
+
+/// How a format holds samples on a lattice.
+pub(crate) struct VolumeFormat {
+    pub write: fn(&Volume, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
+    /// Writes samples in bricks, without a dense copy of them.
+    pub write_sparse: SparseVolumeWriter,
+    /// Whether a file holds the samples alone, as an array.
+    pub is_array: bool,
+    /// Whether there is a name for the unit of so many metres.
+    pub names_unit: fn(f64) -> bool,
 }
 
 /// How a format is read.
@@ -82,11 +114,11 @@ pub(crate) enum FormatReader {
     WithOthers(FileSetReader),
 }
 
+pub(crate) type SparseVolumeWriter =
+    fn(&SparseGrid, &Frame, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
 pub(crate) type PolygonSetWriter =
     for<'a> fn(&'a Polygons, Option<&Value>, &str) -> Result<FileSet<'a>, WriteError>;
 pub(crate) type FileSetWriter =
     for<'a> fn(&'a Scene, Option<&Value>, &str) -> Result<FileSet<'a>, WriteError>;
 pub(crate) type FileSetReader =
     fn(&[u8], Option<&mut FileOpener<'_>>, &Limits) -> Result<ReadOutcome, ReadError>;
-pub(crate) type PolylineWriter = fn(&Polylines, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
-pub(crate) type VolumeWriter = fn(&Volume, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;

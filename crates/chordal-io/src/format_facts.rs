@@ -3,6 +3,7 @@ use crate::SceneAssets;
 use crate::format::Format;
 use crate::format_columns::{PositionPrecision, VertexRows};
 use crate::format_table::{BY_CONTENT, FormatRow, TABLE};
+use crate::frame::Axis;
 use crate::unknown_format::UnknownFormat;
 use crate::volume::inflate::{MAGIC, peek};
 use chordal::explicit::Topology;
@@ -95,7 +96,7 @@ impl Format {
     /// Whether polygons of the format may be a control cage, which defines a smooth surface.
     #[must_use]
     pub fn may_hold_cages(self) -> bool {
-        matches!(self, Self::Obj | Self::Usda | Self::Usdc | Self::Usdz)
+        self.row().may_hold_cages
     }
 
     /// Whether the format can hold polylines.
@@ -104,16 +105,102 @@ impl Format {
         self.row().polylines.is_some()
     }
 
+    /// Whether the format can hold cubic curves.
+    #[must_use]
+    pub fn holds_cubics(self) -> bool {
+        self.row().polylines.as_ref().is_some_and(|format| format.holds_cubics)
+    }
+
+    /// Whether the format can hold polylines in space.
+    #[must_use]
+    pub fn holds_space_curves(self) -> bool {
+        self.row().polylines.as_ref().is_some_and(|format| format.holds_space)
+    }
+
+    /// Whether y grows downwards in drawings of the format.
+    #[must_use]
+    pub fn is_y_down(self) -> bool {
+        self.row().polylines.as_ref().is_some_and(|format| format.is_y_down)
+    }
+
+    /// Whether the format keeps the elements of a drawing: their names, how they are filled, the box of view.
+    #[must_use]
+    pub fn holds_elements(self) -> bool {
+        self.row().polylines.as_ref().is_some_and(|format| format.holds_elements)
+    }
+
+    /// Whether the shape of a file is a field.
+    #[must_use]
+    pub fn holds_fields(self) -> bool {
+        self.row().holds_fields
+    }
+
+    /// Whether the format is that of scripts, which have to be run to get a shape.
+    #[must_use]
+    pub fn is_script(self) -> bool {
+        self.row().read.is_none()
+    }
+
+    /// Whether the format is that of fonts, which set a text.
+    #[must_use]
+    pub fn is_font(self) -> bool {
+        self == Self::Ttf
+    }
+
+    /// Whether a file is one slice of a volume, which is a folder of them.
+    #[must_use]
+    pub fn is_slice(self) -> bool {
+        self == Self::Dicom
+    }
+
+    /// Whether the first bytes of a file tell the format; otherwise files of other formats may look like it.
+    #[must_use]
+    pub fn has_signature(self) -> bool {
+        self.row().has_signature
+    }
+
     /// Whether the format can hold samples on a lattice.
     #[must_use]
     pub fn holds_volumes(self) -> bool {
         self.row().volumes.is_some()
     }
 
+    /// Whether volumes are written as an array of samples alone: without the lattice's origin and step,
+    /// without names and without a certificate.
+    #[must_use]
+    pub fn is_array(self) -> bool {
+        self.row().volumes.as_ref().is_some_and(|format| format.is_array)
+    }
+
+    /// Whether a volume of the format can state its unit, of so many metres.
+    #[must_use]
+    pub fn names_unit(self, metres: f64) -> bool {
+        self.row().volumes.as_ref().is_some_and(|format| (format.names_unit)(metres))
+    }
+
     /// Whether the format keeps parts separate, with their names.
     #[must_use]
     pub fn has_parts(self) -> bool {
         self.row().triangles.as_ref().is_some_and(|format| format.has_parts)
+    }
+
+    /// Whether the triangles of a file are one mesh: it has no parts, or they are names of faces that share
+    /// vertices.
+    #[must_use]
+    pub fn is_one_mesh(self) -> bool {
+        self.row().triangles.as_ref().is_none_or(|format| !format.has_parts || format.shares_vertices)
+    }
+
+    /// Whether the format forbids triangles that have the same corner twice.
+    #[must_use]
+    pub fn forbids_collapsed_faces(self) -> bool {
+        self.row().triangles.as_ref().is_some_and(|format| format.forbids_collapsed_faces)
+    }
+
+    /// The axis that is always up in the format, so that its writer turns other scenes.
+    #[must_use]
+    pub fn up(self) -> Option<Axis> {
+        self.row().triangles.as_ref().and_then(|format| format.up)
     }
 
     /// Whether the format has nodes that place parts, so that instances share triangles.

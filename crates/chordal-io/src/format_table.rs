@@ -2,8 +2,9 @@
 use crate::error::ReadError;
 use crate::format::Format;
 use crate::format_columns::{
-    FormatReader, PolygonFormat, PolylineWriter, PositionPrecision, TriangleFormat, VertexRows, VolumeWriter,
+    FormatReader, PolygonFormat, PolylineFormat, PositionPrecision, TriangleFormat, VertexRows, VolumeFormat,
 };
+use crate::frame::Axis;
 use crate::limits::Limits;
 use crate::scene::ReadOutcome;
 use crate::text::text_start;
@@ -25,8 +26,16 @@ pub(crate) struct FormatRow {
     /// The reader. `None` for scripts: they must be run to get a shape, which this crate does not do.
     pub read: Option<FormatReader>,
     pub triangles: Option<TriangleFormat>,
-    pub polylines: Option<PolylineWriter>,
-    pub volumes: Option<VolumeWriter>,
+    pub polylines: Option<PolylineFormat>,
+    pub volumes: Option<VolumeFormat>,
+    /// Whether polygons may be a control cage, which defines a smooth surface.
+    pub may_hold_cages: bool,
+    /// Whether the shape is a field.
+    pub holds_fields: bool,
+    /// Whether a file is told from those of all other formats by its first bytes, or only looks like this one.
+    pub has_signature: bool,
+    /// Whether the reader unpacks a gzipped file itself, as far as it needs it.
+    pub unpacks: bool,
     /// The size to which a gzipped file of the format may unpack.
     pub cap: UnpackCap,
 }
@@ -48,6 +57,10 @@ const fn only_read(
         triangles: None,
         polylines: None,
         volumes: None,
+        may_hold_cages: false,
+        holds_fields: false,
+        has_signature: true,
+        unpacks: false,
         cap: UnpackCap::MODEL,
     }
 }
@@ -75,6 +88,9 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     wants_normals: true,
     has_certificate: true,
     holds_points: false,
+    shares_vertices: false,
+    forbids_collapsed_faces: false,
+    up: Some(Axis::Y),
     keeps: None,
     changes: None,
 };
@@ -96,20 +112,35 @@ const USD_TRIANGLES: TriangleFormat = TriangleFormat {
     wants_normals: true,
     has_certificate: true,
     holds_points: true,
+    shares_vertices: false,
+    forbids_collapsed_faces: false,
+    up: None,
     keeps: Some(usd::keeps),
     changes: Some(usd::changes),
 };
 
 /// The table of formats, in the order of the enum.
 pub(crate) static TABLE: [FormatRow; 37] = [
-    only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
+    FormatRow {
+        has_signature: false,
+        ..only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read)
+    },
     FormatRow {
         extensions: &["bbp"],
         ..only_read(Format::Bez, "bez", |bytes| bez::looks_like(text_start(bytes)), bez::read)
     },
-    only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
-        polylines: Some(shape_json::write),
+        has_signature: false,
+        ..only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read)
+    },
+    FormatRow {
+        polylines: Some(PolylineFormat {
+            write: shape_json::write,
+            holds_cubics: false,
+            holds_space: true,
+            is_y_down: false,
+            holds_elements: false,
+        }),
         ..only_read(Format::Json, "json", |bytes| shape_json::looks_like(text_start(bytes)), shape_json::read)
     },
     FormatRow {
@@ -130,9 +161,14 @@ pub(crate) static TABLE: [FormatRow; 37] = [
             wants_normals: true,
             has_certificate: true,
             holds_points: true,
+            shares_vertices: true,
+            forbids_collapsed_faces: false,
+            up: None,
             keeps: Some(obj::keeps),
             changes: Some(obj::lost_looks),
         }),
+        may_hold_cages: true,
+        has_signature: false,
         ..only_read(Format::Obj, "obj", obj::looks_like, obj::read)
     },
     FormatRow {
@@ -148,6 +184,9 @@ pub(crate) static TABLE: [FormatRow; 37] = [
             wants_normals: false,
             has_certificate: true,
             holds_points: true,
+            shares_vertices: false,
+            forbids_collapsed_faces: false,
+            up: None,
             keeps: Some(|attribute, _| ply::keeps(attribute)),
             changes: None,
         }),
@@ -166,6 +205,9 @@ pub(crate) static TABLE: [FormatRow; 37] = [
             wants_normals: false,
             has_certificate: false,
             holds_points: false,
+            shares_vertices: false,
+            forbids_collapsed_faces: false,
+            up: None,
             keeps: Some(|_, _| false),
             changes: None,
         }),
@@ -211,6 +253,9 @@ pub(crate) static TABLE: [FormatRow; 37] = [
             wants_normals: false,
             has_certificate: true,
             holds_points: true,
+            shares_vertices: false,
+            forbids_collapsed_faces: false,
+            up: None,
             keeps: Some(off::keeps),
             changes: None,
         }),
@@ -229,6 +274,9 @@ pub(crate) static TABLE: [FormatRow; 37] = [
             wants_normals: false,
             has_certificate: true,
             holds_points: false,
+            shares_vertices: false,
+            forbids_collapsed_faces: true,
+            up: Some(Axis::Z),
             keeps: Some(threemf::keeps),
             changes: Some(threemf::changes),
         }),
@@ -249,6 +297,9 @@ pub(crate) static TABLE: [FormatRow; 37] = [
             wants_normals: false,
             has_certificate: true,
             holds_points: true,
+            shares_vertices: false,
+            forbids_collapsed_faces: false,
+            up: None,
             keeps: Some(|attribute, _| vtk::keeps(attribute)),
             changes: None,
         }),
@@ -269,10 +320,12 @@ pub(crate) static TABLE: [FormatRow; 37] = [
         read: Some(FormatReader::WithOthers(usd::read_with)),
         extensions: &["usd"],
         triangles: Some(USD_TRIANGLES),
+        may_hold_cages: true,
         ..only_read(Format::Usda, "usda", usd::looks_like_text, usd::read)
     },
     FormatRow {
         read: Some(FormatReader::WithOthers(usd::read_with)),
+        may_hold_cages: true,
         ..only_read(Format::Usdc, "usdc", usd::looks_like_crate, usd::read)
     },
     FormatRow {
@@ -287,33 +340,55 @@ pub(crate) static TABLE: [FormatRow; 37] = [
             has_materials_beside: false,
             ..USD_TRIANGLES
         }),
+        may_hold_cages: true,
         ..only_read(Format::Usdz, "usdz", usd::looks_like_package, usd::read)
     },
     FormatRow {
-        polylines: Some(svg::write),
+        polylines: Some(PolylineFormat {
+            write: svg::write,
+            holds_cubics: true,
+            holds_space: false,
+            is_y_down: true,
+            holds_elements: true,
+        }),
         ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
     },
     FormatRow {
         extensions: &["otf", "ttc", "otc"],
         ..only_read(Format::Ttf, "ttf", font::looks_like, font::read)
     },
-    only_read(
-        Format::Vm,
-        "vm",
-        |bytes| !bytes.starts_with(b"{") && vm::looks_like(text_start(bytes)),
-        vm::read,
-    ),
     FormatRow {
-        volumes: Some(|volume, _, out| npy::write(volume, out)),
+        holds_fields: true,
+        has_signature: false,
+        ..only_read(
+            Format::Vm,
+            "vm",
+            |bytes| !bytes.starts_with(b"{") && vm::looks_like(text_start(bytes)),
+            vm::read,
+        )
+    },
+    FormatRow {
+        volumes: Some(VolumeFormat {
+            write: |volume, _, out| npy::write(volume, out),
+            write_sparse: |grid, _, _, out| npy::write_sparse(grid, out),
+            is_array: true,
+            names_unit: |_| false,
+        }),
         ..volume_row(Format::Npy, "npy", |bytes| bytes.starts_with(npy::MAGIC), npy::read)
     },
     FormatRow {
-        volumes: Some(nrrd::write),
+        volumes: Some(VolumeFormat {
+            write: nrrd::write,
+            write_sparse: nrrd::write_sparse,
+            is_array: false,
+            names_unit: nrrd::names_unit,
+        }),
         ..volume_row(Format::Nrrd, "nrrd", |bytes| bytes.starts_with(nrrd::MAGIC), nrrd::read)
     },
     FormatRow {
         extensions: &["nii.gz", "hdr"],
         read: Some(FormatReader::WithOthers(nii::read_with)),
+        unpacks: true,
         ..volume_row(Format::Nii, "nii", nii::looks_like, nii::read)
     },
     volume_row(Format::Npz, "npz", npy::looks_like_npz, npy::read_npz),
@@ -338,6 +413,10 @@ pub(crate) static TABLE: [FormatRow; 37] = [
         triangles: None,
         polylines: None,
         volumes: None,
+        may_hold_cages: false,
+        holds_fields: true,
+        has_signature: true,
+        unpacks: false,
         cap: UnpackCap::MODEL,
     },
 ];

@@ -28,7 +28,7 @@ use std::collections::BTreeSet;
 /// ```
 pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError> {
     let mut lost: Vec<Warning> = Vec::new();
-    if matches!(format, Format::Glb | Format::Gltf | Format::ThreeMf) {
+    if format.has_parts() && !format.holds_points() {
         for part in scene.parts.iter().filter(|part| is_points_alone(part)) {
             let who = match &*part.name {
                 "" => "a part without a name".to_owned(),

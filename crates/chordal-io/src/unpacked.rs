@@ -29,7 +29,7 @@ pub fn unpacked<'a>(
     format: Option<Format>,
     limits: &Limits,
 ) -> Result<Cow<'a, [u8]>, ReadError> {
-    if !bytes.starts_with(&MAGIC) || format == Some(Format::Nii) {
+    if !bytes.starts_with(&MAGIC) || format.is_some_and(|format| format.row().unpacks) {
         return Ok(Cow::Borrowed(bytes));
     }
     let format = format.or_else(|| Format::sniff(bytes));

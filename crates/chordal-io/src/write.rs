@@ -107,8 +107,8 @@ pub fn write_polylines(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let write = format.row().polylines.ok_or_else(|| holds_no(format, "polylines"))?;
-    write(polylines, certificate, out)
+    let held = format.row().polylines.as_ref().ok_or_else(|| holds_no(format, "polylines"))?;
+    (held.write)(polylines, certificate, out)
 }
 
 /// Writes samples on a lattice.
@@ -121,8 +121,8 @@ pub fn write_volume(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let write = format.row().volumes.ok_or_else(|| holds_no(format, "volume"))?;
-    write(volume, certificate, out)
+    let held = format.row().volumes.as_ref().ok_or_else(|| holds_no(format, "volume"))?;
+    (held.write)(volume, certificate, out)
 }
 
 /// Writes sparse samples in bricks, without a dense copy in memory: `.nrrd` packed by gzip, `.npy` unpacked.
@@ -135,11 +135,8 @@ pub fn write_sparse_volume(
     certificate: Option<&Value>,
     (format, out): (Format, &mut dyn Write),
 ) -> Result<(), WriteError> {
-    match format {
-        Format::Nrrd => crate::nrrd::write_sparse(grid, frame, certificate, out),
-        Format::Npy => crate::npy::write_sparse(grid, out),
-        _ => Err(holds_no(format, "volume")),
-    }
+    let held = format.row().volumes.as_ref().ok_or_else(|| holds_no(format, "volume"))?;
+    (held.write_sparse)(grid, frame, certificate, out)
 }
 
 fn holds_no(format: Format, what: &str) -> WriteError {

@@ -84,7 +84,8 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
             Err(format!("volumes become triangles, which {to} does not hold; {} do", mesh_names()).into())
         }
         Shape::Curves(_) if !to.holds_polylines() => Err(format!(
-            "curves in space enclose no area to fill with triangles: write polylines, to json instead of {to}"
+            "curves in space enclose no area to fill with triangles: write polylines, to {} instead of {to}",
+            in_words(&names_where(Format::holds_space_curves), "or")
         )
         .into()),
         _ => Ok(()),

@@ -170,10 +170,10 @@ impl FolderWalk {
     }
 }
 
-/// Whether a file with this extension is a shape. A DICOM slice is only a part of one.
+/// Whether a file with this extension is a shape. A slice is only a part of one.
 fn is_known(name: &str) -> bool {
     let format = extension(name).and_then(Format::from_packed_extension);
-    format.is_some_and(|format| format != Format::Dicom)
+    format.is_some_and(|format| !format.is_slice())
 }
 
 /// The kind of an entry of a folder.

@@ -8,6 +8,7 @@ mod read;
 mod write;
 
 pub use read::read;
+pub(crate) use write::names_unit;
 pub use write::{write, write_sparse};
 
 /// The first bytes of a file, before a digit for its version.

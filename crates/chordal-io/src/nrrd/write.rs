@@ -183,6 +183,11 @@ fn full_name(space: &str) -> &str {
     }
 }
 
+/// Whether there is a name for the unit of so many metres.
+pub(crate) fn names_unit(metres: f64) -> bool {
+    unit(metres).is_some()
+}
+
 fn unit(metres: f64) -> Option<&'static str> {
     [(1.0, "m"), (0.01, "cm"), (0.001, "mm"), (1e-6, "um")] // A micrometre, exact to the last place.
         .into_iter()

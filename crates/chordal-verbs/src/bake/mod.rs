@@ -142,11 +142,11 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     if let Some(solid) = sampled.solid.as_ref().filter(|solid| !solid.is_solid()) {
         certificate.notes.push(solid.to_string().into());
     }
-    if to == Format::Npy {
-        certificate.notes.push("npy holds no origin and no step: this report has both".into());
+    if to.is_array() {
+        certificate.notes.push(format!("{to} holds no origin and no step: this report has both").into());
     }
     // An array does not hold the origin and the step of the lattice.
-    certificate.conclude(("volume", to), (to != Format::Npy).then(|| samples_digest(&sampled.samples)));
+    certificate.conclude(("volume", to), (!to.is_array()).then(|| samples_digest(&sampled.samples)));
     let volume = match sampled.samples {
         BakedSamples::Dense(grid) => {
             BakedVolume::Dense(Volume { frame, ..Volume::from_grid(Arc::unwrap_or_clone(grid)) })

@@ -85,7 +85,7 @@ pub(crate) fn line_losses<T>(drawn: &PathSet<T>, to: Format) -> Vec<Message> {
         }
     };
     let elements = &drawn.elements;
-    if to == Format::Json {
+    if !to.holds_elements() {
         count(elements.iter().filter(|e| !e.name.is_empty()).count(), "is written without names of elements");
         let even_odd = |e: &&chordal_io::DrawingElement| e.rule == FillRule::EvenOdd;
         count(elements.iter().filter(even_odd).count(), "is written without the rule evenodd");
@@ -94,7 +94,7 @@ pub(crate) fn line_losses<T>(drawn: &PathSet<T>, to: Format) -> Vec<Message> {
         count(usize::from(drawn.y_down), "does not say that y grows downwards");
         count(usize::from(drawn.frame.metres_per_unit.is_some()), "is written without the unit");
     }
-    if to == Format::Svg {
+    if to.holds_elements() {
         let named: Vec<&str> = elements.iter().map(|e| &*e.name).filter(|name| !name.is_empty()).collect();
         let distinct: BTreeSet<&&str> = named.iter().collect();
         count(named.len() - distinct.len(), "allows a name once: that of further elements was left out");

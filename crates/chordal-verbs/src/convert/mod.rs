@@ -179,7 +179,7 @@ pub fn convert_within(
             };
             (ConvertedShape::Polygons(polygons), bound)
         }
-        Shape::Drawing(drawing) if to == Format::Svg && straight_lines(&drawing.lines).is_none() => {
+        Shape::Drawing(drawing) if to.holds_cubics() && straight_lines(&drawing.lines).is_none() => {
             certificate.notes.extend(line_losses(&drawing, to));
             let (drawing, bound, [n_lines, n_cubics]) = cubic_paths(drawing, length, job)?;
             let n_paths = drawing.lines.len();
@@ -219,7 +219,7 @@ pub fn convert_within(
         ConvertedShape::Polylines(lines) => ("curves", Some(polylines_digest(lines))),
         ConvertedShape::Paths(_) => ("drawing", None),
         // An array does not hold the origin and the step of the lattice.
-        ConvertedShape::Volume(volume) => ("volume", (to != Format::Npy).then(|| volume_digest(volume))),
+        ConvertedShape::Volume(volume) => ("volume", (!to.is_array()).then(|| volume_digest(volume))),
     };
     certificate.conclude((kind, to), geometry);
     Ok(ConvertOutcome { made: converted, format: to, bound, certificate })
@@ -271,7 +271,7 @@ pub fn needs_mesh(shape: &Shape, to: Format) -> bool {
         Shape::Cage(_) => to.holds_triangles() && !to.holds_polygons(),
         Shape::Drawing(drawing) => {
             let bends = || straight_lines(&drawing.lines).is_none();
-            to.holds_triangles() || to.holds_polylines() && to != Format::Svg && bends()
+            to.holds_triangles() || to.holds_polylines() && !to.holds_cubics() && bends()
         }
         Shape::Curves(curves) => to.holds_polylines() && straight_lines(&curves.lines).is_none(),
     }
@@ -334,8 +334,9 @@ fn check_format(shape: &Shape, to: Format) -> Result<(), Message> {
         Shape::Scene(_) => ("triangles", Format::holds_triangles),
         Shape::Cage(_) => ("polygons", Format::holds_polygons),
         Shape::Volume(_) => ("volumes", Format::holds_volumes),
-        Shape::Curves(_) if to == Format::Svg => {
-            return Err("these curves are in space, which svg cannot hold: write json".into());
+        Shape::Curves(_) if to.holds_polylines() && !to.holds_space_curves() => {
+            let names = in_words(&names_where(Format::holds_space_curves), "or");
+            return Err(format!("these curves are in space, which {to} cannot hold: write {names}").into());
         }
         Shape::Drawing(_) | Shape::Curves(_) => ("polylines", Format::holds_polylines),
         Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => {
@@ -441,30 +442,29 @@ fn volume_losses(volume: &Volume, to: Format) -> Vec<Message> {
         }
     };
     let frame = volume.frame;
-    if to == Format::Npy {
+    if to.is_array() {
         let affine = volume.grid.affine();
         let is_plain = *affine == Affine3::IDENTITY || is_reversed(affine);
         add(
             !is_plain,
-            "npy holds no origin and no step of a lattice: those of the input were left out".into(),
+            format!("{to} holds no origin and no step of a lattice: those of the input were left out"),
         );
-        add(!volume.name.is_empty(), "npy holds no name".into());
-        add(!volume.labels.is_empty(), "npy holds no names and no colours of labels".into());
-        add(volume.space.is_some(), "npy does not say what the axes of space are".into());
-        add(volume.certificate.is_some(), "npy holds no certificate: that of the input was left out".into());
+        add(!volume.name.is_empty(), format!("{to} holds no name"));
+        add(!volume.labels.is_empty(), format!("{to} holds no names and no colours of labels"));
+        add(volume.space.is_some(), format!("{to} does not say what the axes of space are"));
+        add(
+            volume.certificate.is_some(),
+            format!("{to} holds no certificate: that of the input was left out"),
+        );
     }
     if let Some(metres) = frame.metres_per_unit {
-        let is_held = to == Format::Nrrd && NRRD_UNITS.contains(&metres);
-        add(!is_held, format!("{to} does not hold the unit: one is {metres} m"));
+        add(!to.names_unit(metres), format!("{to} does not hold the unit: one is {metres} m"));
     }
     if let Some(up) = frame.up {
         add(true, format!("{to} does not say which axis is up: it is {}", up.letter()));
     }
     lost
 }
-
-/// The units for which NRRD's writer has names, in metres: metre, centimetre, millimetre, micrometre.
-const NRRD_UNITS: [f64; 4] = [1.0, 0.01, 0.001, 1e-6];
 
 /// Whether lattice index (k, j, i) is the point (i, j, k), as for arrays whose last index runs fastest.
 fn is_reversed(affine: &Affine3) -> bool {

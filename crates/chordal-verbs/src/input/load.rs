@@ -40,10 +40,9 @@ impl FormatHint<'_> {
         let is_named =
             |format: &Format| *format != Format::Json || Format::sniff(bytes) != Some(Format::Tileset);
         let by_name = || extension.and_then(Format::from_packed_extension).filter(is_named);
-        // Files of other formats may begin like one of these, which have no magic number.
+        // A file of a foreign format may look like one of a format without a signature.
         let has_mark = |format: &Format| {
-            !matches!(format, Format::Obj | Format::Vm | Format::Teaset | Format::Bpt)
-                || extension.and_then(ForeignFormat::from_extension).is_none()
+            format.has_signature() || extension.and_then(ForeignFormat::from_extension).is_none()
         };
         self.format.or_else(by_name).or_else(|| Format::sniff(bytes).filter(has_mark))
     }
@@ -191,7 +190,7 @@ fn load_from(
     if let Some(surface) = limits.surface {
         check_surface(surface, format)?;
     }
-    if hint.letters.is_some() && format != Format::Ttf {
+    if hint.letters.is_some() && !format.is_font() {
         let message = Message::from("only fonts set letters: ").setting(Setting::Text);
         let message = message.words(format_args!(" does not apply to {format}"));
         return Err(ReadError::new("no-font", FileLocation::File, message));
@@ -210,7 +209,7 @@ fn load_from(
             Ok(bytes)
         }
     });
-    let (mut shape, warnings) = if format == Format::Star {
+    let (mut shape, warnings) = if format.is_script() {
         let open = open.as_mut().map(|open| -> &mut FileOpener<'_> { open });
         let context = ScriptContext { set: hint.set, open, limits, job };
         script::shape(&content, context)?
@@ -220,7 +219,7 @@ fn load_from(
             return Err(ReadError::new("unknown-parameter", FileLocation::File, message));
         }
         let loaded = match (hint.letters, &mut open) {
-            (Some(letters), _) if format == Format::Ttf => read_letters(&content, letters, limits)?,
+            (Some(letters), _) if format.is_font() => read_letters(&content, letters, limits)?,
             (_, Some(open)) => chordal_io::read_with(&content, format, open, limits)?,
             (_, None) => chordal_io::read(&content, format, limits)?,
         };

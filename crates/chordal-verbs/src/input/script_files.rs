@@ -57,7 +57,7 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
         let by_name = extension(path).and_then(Format::from_packed_extension);
         let content =
             chordal_io::unpacked(&bytes, by_name, self.limits).map_err(|error| error.to_string())?;
-        let format = by_name.or_else(|| Format::sniff(&content)).filter(|format| *format != Format::Star);
+        let format = by_name.or_else(|| Format::sniff(&content)).filter(|format| !format.is_script());
         let format = format.ok_or_else(|| "this is not a file of triangles".to_owned())?;
         // Polygons are taken as their triangles.
         let limits = Limits { surface: None, ..*self.limits };

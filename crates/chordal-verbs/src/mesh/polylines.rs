@@ -4,6 +4,7 @@ use super::field::slack::{NOT_COUNTED, SlackRequest};
 use super::request::MeshRequest;
 use crate::ImplicitShape;
 use crate::MeshFailure;
+use crate::formats::extensions_where;
 use crate::outcome::MeshOutcome;
 use crate::output::finish::finish_polylines;
 use crate::report::Certificate;
@@ -32,10 +33,11 @@ pub(crate) fn flatten_curves(
     certificate: Certificate,
     job: &Job,
 ) -> Result<MeshOutcome, MeshFailure> {
-    if request.to == Format::Svg {
-        return Err(MeshFailure::Usage(
-            "these curves are in space, which svg cannot hold: write .json".into(),
-        ));
+    let to = request.to;
+    if !to.holds_space_curves() {
+        let names = extensions_where(Format::holds_space_curves, "or");
+        let message = format!("these curves are in space, which {to} cannot hold: write {names}");
+        return Err(MeshFailure::Usage(message.into()));
     }
     let (drawn, bound) = cut(curves, request, job)?;
     finish_polylines(Polylines::Space(drawn), bound, request, certificate)
@@ -66,12 +68,12 @@ pub(crate) fn contour_field(
                 .into(),
         );
     }
-    // SVG's y grows downwards: negating y, which is exact, keeps the drawing upright.
-    let y_down = request.to == Format::Svg;
+    // Negating y, which is exact, keeps the drawing upright.
+    let y_down = request.to.is_y_down();
     let mut lines = converted.shape;
     if y_down {
         lines.iter_mut().flat_map(|line| &mut line.points).for_each(|point| point[1] = -point[1]);
-        certificate.notes.push("y is negated, for it grows downwards in svg".into());
+        certificate.notes.push(format!("y is negated, for it grows downwards in {}", request.to).into());
     }
     let element = DrawingElement { kind: "field", filled: true, ..DrawingElement::default() };
     let drawn = PathSet {

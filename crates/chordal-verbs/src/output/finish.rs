@@ -12,7 +12,7 @@ use chordal::budget::{Bound, Evidence, PixelBudget, Reference, RequiredEvidence,
 use chordal::explicit::Topology;
 use chordal::math::lesser;
 use chordal::{Job, mend};
-use chordal_io::{Format, Polylines, Scene, Warning, losses};
+use chordal_io::{Polylines, Scene, Warning, losses};
 
 pub(crate) const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
@@ -35,8 +35,7 @@ pub(crate) fn finish_triangles(
     }
     certificate.notes.extend(losses(&scene, to)?.iter().map(Warning::counted));
     let mut scene = to_file_rows(scene, to)?;
-    // 3MF forbids triangles that have the same corner twice.
-    if to == Format::ThreeMf {
+    if to.forbids_collapsed_faces() {
         let moved = drop_collapsed_faces(&mut scene)?;
         if moved.at_most() != Some(0.0) {
             // A triangle without area has no normal, so that the bound on angles still holds.

@@ -69,7 +69,7 @@ impl CountedTriangles {
     /// The counts of a scene, without witnesses; counts it as one part if its file is read as one: an OBJ only names its
     /// objects.
     pub fn from_scene(scene: &Scene, format: Format) -> Result<Self, WriteError> {
-        if scene.parts.len() > 1 && (!format.has_parts() || format == Format::Obj) {
+        if scene.parts.len() > 1 && format.is_one_mesh() {
             let merged = MergedParts::from_scene(scene, Topology::Indices)?.mesh;
             return Ok(Self::total(&[TopologyChecks::quick(&merged, format)?], format.topology()));
         }

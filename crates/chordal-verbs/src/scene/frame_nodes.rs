@@ -9,7 +9,7 @@ const Z_UP_TO_Y_UP: [f64; 16] =
 /// A scene as it was before it was written to glTF from that frame: without the nodes that rotate and scale all of it.
 /// Nothing is computed, so that nothing is rounded. A file without such nodes stays as it is.
 pub(crate) fn without_frame_nodes<'a>(scene: &'a Scene, format: Format, frame: &Frame) -> Cow<'a, Scene> {
-    if format == Format::ThreeMf && frame.up == Some(Axis::Y) && scene.frame.up == Some(Axis::Z) {
+    if format.up() == Some(Axis::Z) && frame.up == Some(Axis::Y) && scene.frame.up == Some(Axis::Z) {
         return Cow::Owned(turned_back(scene, frame));
     }
     if !format.is_gltf() {
@@ -48,12 +48,12 @@ pub(crate) fn may_be_in(scene: &Scene, format: Format, frame: &Frame) -> bool {
         return !is_other || matches!(without_frame_nodes(scene, format, frame), Cow::Owned(_));
     }
     let differs = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| a != b);
-    let is_turned = format == Format::ThreeMf && frame.up == Some(Axis::Y);
+    let is_turned = format.up() == Some(Axis::Z) && frame.up == Some(Axis::Y);
     !differs(scene_frame.metres_per_unit, frame.metres_per_unit)
         && (is_turned || scene_frame.up.zip(frame.up).is_none_or(|(a, b)| a == b))
 }
 
-/// A scene from a 3MF, whose z is up, as it was before its writer rotated it: (x, y, z) was written as (x, −z, y).
+/// A scene from a file whose z is always up, such as a 3MF, as it was before its writer rotated it: (x, y, z) was written as (x, −z, y).
 fn turned_back(scene: &Scene, frame: &Frame) -> Scene {
     let mut turned = Scene { frame: *frame, ..scene.clone() };
     for root in &scene.roots {

@@ -11,7 +11,7 @@ use chordal::explicit::query::{Bvh, Containment, Enclosure};
 use chordal::implicit::{Affine3, Grid};
 use chordal::math::{add_up, greater, sub_down};
 use chordal::{Job, Mesh};
-use chordal_io::{Format, Scene};
+use chordal_io::Scene;
 use serde_json::Value;
 
 /// Compares the facts of a certificate about a baked grid with its samples and with the triangles.
@@ -30,7 +30,7 @@ pub(super) fn check_baked(
         return Ok(());
     };
     // An array has no origin and no step: the claimed ones are proved by the distances, which fit no others.
-    let located = if written.format == Format::Npy { stated_lattice(baked) } else { None };
+    let located = if written.format.is_array() { stated_lattice(baked) } else { None };
     let located = located.map(|affine| sampled.volume.grid.clone().with_affine(affine));
     let grid = located.as_ref().unwrap_or(&sampled.volume.grid);
     if let Shape::Scene(scene) = &read.shape {
