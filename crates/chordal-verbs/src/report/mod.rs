@@ -17,7 +17,6 @@ mod history;
 mod input;
 mod inspection;
 mod levels;
-mod line_cost;
 mod message_text;
 mod nurbs_edges;
 mod output;
@@ -31,7 +30,6 @@ mod surface_edges;
 mod validity;
 mod validity_counts;
 mod volume;
-mod witness;
 
 pub use attributes::AttributeFacts;
 pub use boolean::{BooleanFacts, BooleanOperandFacts};
@@ -43,7 +41,7 @@ pub use certificate::Certificate;
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use distance_grid::{DistanceGridFacts, InterpolantFacts, SolidFacts};
 pub use drawing::{DrawingFacts, JoinCounts, PathJoinFacts, PieceCounts};
-pub use field::FieldFacts;
+pub use field::{FieldFacts, LineCostFacts};
 pub use findings::{FindingFacts, cures_of_all};
 pub(crate) use history::gap;
 pub use history::{
@@ -52,11 +50,11 @@ pub use history::{
 pub use input::{FrameFacts, InputFacts, InputFileFacts, WarningFacts};
 pub use inspection::{EmbeddedCertificate, GeometrySizes, Inspection, PartFacts};
 pub use levels::{LevelChoiceFacts, LevelFacts, LevelsFacts};
-pub use line_cost::LineCostFacts;
 use message_text::{message_option, message_text, message_texts};
 pub use nurbs_edges::{NurbsEdgeFacts, NurbsJoinFacts, NurbsLineFacts};
 pub use output::{Output, PolylineFacts, TriangleFacts};
 pub use overshade::{OvershadeFacts, ShadingFacts};
+pub use part_check::WitnessFacts;
 use part_check::witness_facts;
 pub(crate) use part_check::{CheckDepth, CountError};
 pub use repairs::{ChangeFacts, RepairFacts};
@@ -69,7 +67,6 @@ pub(crate) use validity::CountedTriangles;
 pub use validity::{OtherCounts, PartValidity, ValidityFacts};
 pub use validity_counts::ValidityCounts;
 pub use volume::{LabelFacts, MOST_LABELS, SuggestedLevelFacts, VolumeFacts};
-pub use witness::WitnessFacts;
 
 use serde::Serialize;
 use serde_json::Value;

@@ -1,5 +1,4 @@
 //! The validity of one part of a scene, by both definitions of "the same position".
-use super::witness::WitnessFacts;
 use crate::output::file_rows::rows_of;
 use chordal::Mesh;
 use chordal::budget::JobError;
@@ -7,6 +6,7 @@ use chordal::check::findings::{Finding, MeshConnectivity, MeshLocation, OpenSeam
 use chordal::check::{Component, Defect, Validity, inside_out, self_intersections};
 use chordal::explicit::Topology;
 use chordal_io::{Format, WriteError};
+use serde::Serialize;
 use std::convert::Infallible;
 
 /// The depth of a check.
@@ -153,6 +153,24 @@ impl PartCheck {
         }
         facts
     }
+}
+
+/// One occurrence of a defect. All numbers are rows of the part's arrays.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WitnessFacts {
+    /// The name of its count.
+    pub of: &'static str,
+    /// The index of the part.
+    pub part: u64,
+    /// The part of the second triangle, if two placements intersect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other_part: Option<u64>,
+    /// Rows of the positions.
+    pub vertices: Vec<u32>,
+    /// Rows of the triangles.
+    pub faces: Vec<u32>,
+    /// A point there, in the part's own coordinates; in world coordinates if two placements intersect.
+    pub at: [f64; 3],
 }
 
 /// A witness of the count `of`, in the given part.

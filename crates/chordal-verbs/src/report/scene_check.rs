@@ -1,5 +1,5 @@
 //! Checks across the parts of a scene in world coordinates: parts that cross or touch, and parts that lie within others.
-use super::witness::WitnessFacts;
+use super::part_check::WitnessFacts;
 use crate::scene::merged_parts::MergedParts;
 use crate::scene::placements::n_places;
 use chordal::Job;

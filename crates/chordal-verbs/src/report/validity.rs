@@ -1,11 +1,10 @@
 //! The validity of triangles in the report: counts by one definition of "the same position", and by the
 //! other.
 use super::TriangleFacts;
-use super::part_check::{CheckDepth, CountError, PartCheck, TopologyChecks};
+use super::part_check::{CheckDepth, CountError, PartCheck, TopologyChecks, WitnessFacts};
 use super::scene_check::SceneCheck;
 use super::surface::SurfaceFacts;
 use super::validity_counts::ValidityCounts;
-use super::witness::WitnessFacts;
 use crate::scene::merged_parts::MergedParts;
 use chordal::check::{Defect, Validity};
 use chordal::explicit::Topology;
