@@ -1,4 +1,4 @@
-"""What `chordal inspect` says of every file of the test data, beside what other programs count in it; writes docs/corpus.md.
+"""Runs `chordal inspect` on every file of the test data, counts the same with other programs, and writes docs/corpus.md.
 
 Run by `make corpus`; with --check (`make corpus-check`) it writes nothing, and fails where the page would be another. It
 also fails for a crash, a run over time, and a count that nobody explains. Times and peaks go to out/corpus.json.
@@ -185,7 +185,7 @@ def of_peers(row):
     agree = [reader for reader, judgement in peers.items() if judgement["differs"] == ""]
     if agree:
         return ", ".join(agree)
-    return reasons.OF_FILES.get(row["name"], "none reads it" if peers else "no other reader")
+    return reasons.OF_FILES.get(row["name"], "no program reads it" if peers else "no other program")
 
 
 def cells(row):
@@ -219,7 +219,7 @@ def table(rows):
     groups = {}
     for row in rows:
         groups.setdefault((tuple(cells(row)), os.path.dirname(row["name"])), []).append(row["name"])
-    lines = ["| file | is | counts | warnings, or why not | other programs |", "|---|---|---|---|---|"]
+    lines = ["| file | result | counts | warnings or reason | other programs |", "|---|---|---|---|---|"]
     top = "/".join(rows[0]["name"].split("/")[:2]) + "/"
     for (cell, folder), names in groups.items():
         inside = [row["name"] for row in rows if os.path.dirname(row["name"]) == folder]
@@ -245,12 +245,12 @@ def readers_table(rows):
         for reader, judgement in row["peers"].items():
             if row["fate"] == "read":
                 tally.setdefault((row["format"], reader), Counter())[judgement["differs"]] += 1
-    lines = ["| format | reader | agrees | differs in | why |", "|---|---|---|---|---|"]
+    lines = ["| format | reader | agrees | differs in | reason |", "|---|---|---|---|---|"]
     for (form, reader), kinds in sorted(tally.items()):
         others = sorted(kind for kind in kinds if kind) or [""]
         for at, kind in enumerate(others):
             agrees = f"{kinds['']} of {sum(kinds.values())}" if at == 0 else ""
-            what = f"{kind.replace(',', ', ')} of {kinds[kind]}" if kind else ""
+            what = f"{kind.replace(',', ', ')}: {kinds[kind]}" if kind else ""
             what = f"not read: {kinds[kind]}" if kind == "error" else what
             lines.append(f"| {form if at == 0 else ''} | {reader if at == 0 else ''} | {agrees} | {what} | {reasons.OF_KINDS.get((form, reader, kind), '') if kind else ''} |")
     return lines

@@ -1,4 +1,4 @@
-"""The words of docs/corpus.md about round trips: by which words a note names a trait, and the table."""
+"""The part of docs/corpus.md about round trips: its text, its table, and the words by which a note names a trait."""
 
 import re
 from collections import Counter
@@ -21,8 +21,8 @@ def pattern_of(trait):
 
 def findings(row):
     """What is wrong with a conversion, in a form that files share."""
-    numbered = [re.sub(r"\d+ triangles of \d+", "other triangles", what).split(": [")[0] for what in row["findings"]]
-    return numbered + [f"{trait} lost without a word" for trait in row.get("silent", [])]
+    numbered = [re.sub(r"\d+ triangles of \d+", "another number of triangles", what).split(": [")[0] for what in row["findings"]]
+    return numbered + [f"{trait} lost without a note" for trait in row.get("silent", [])]
 
 
 def all_findings(rows):
@@ -32,30 +32,30 @@ def all_findings(rows):
 
 ABOUT = """
 ## Round trips
-`bench/files/round_trips.py` writes each mesh and each cage of the folder below 5 MB in every format ({files} files,
-{trips} conversions), reads the result with Chordal and with the program that is named, and compares triangles, boxes,
-attributes, and the names of materials and parts. *Refused* counts those that say that the format does not hold the shape: cages in
-formats of triangles, points alone, and coordinates over f32. *Noted* is what a note of `chordal convert`, or a warning of
-the input, says of what the format does not hold.
+`bench/files/round_trips.py` converts every mesh and every cage of the folder below 5 MB to every format ({files} files,
+{trips} conversions). Chordal and the program in the row read the result; triangles, boxes, attributes, and names of
+materials and parts are compared. *Refused* counts conversions that end with the message that the format cannot hold
+the shape: cages in formats of triangles, points alone, coordinates beyond f32. The last column lists properties that
+the format does not hold, with the number of files; a note of `chordal convert`, or a warning about the input, says so.
 
-| to | converted | refused | read back by | as many triangles there | what is lost and noted |
+| to | converted | refused | read back by | same number of triangles | lost, with a note |
 |---|---|---|---|---|---|
 """
 
 ABOUT_FINDINGS = """
-What is lost without a word, and files that another program does not read:
+Losses without a note, and files that the other program does not read:
 
-| to | files | what | first |
+| to | files | finding | first file |
 |---|---|---|---|
 """
 
 # Why, for those that are not Chordal's.
 REASONS = (
-    ("MeshLab counts other triangles", "MeshLab drops triangles with a corner twice, and cuts polygons in its own way"),
-    ("Invalid Model Coordinate Indices", "3MF forbids triangles with a corner twice"),
-    ("Invalid Model Coordinates", "coordinates over lib3mf's limit"),
+    ("MeshLab counts another number of triangles", "it drops triangles that use a vertex twice, and cuts polygons in its own way"),
+    ("Invalid Model Coordinate Indices", "3MF forbids triangles that use a vertex twice"),
+    ("Invalid Model Coordinates", "coordinates beyond lib3mf's limit"),
     ("No vertex found", "a file without vertices"),
-    ("'ascii' codec", "a name in the certificate is not ASCII, and the header of a PLY is"),
+    ("'ascii' codec", "a name in the certificate is not ASCII, but the header of a PLY has to be"),
 )
 
 

@@ -1,8 +1,8 @@
-"""Writes docs/gallery.md: twenty of the parts, each with a picture, its command, and what came of it.
+"""Writes docs/gallery.md: twenty of the parts, each with a picture, its triangles and its bound.
 
     python gallery.py --command target/release/chordal
 
-Both the pictures and the numbers are of the meshes at 0.1 % of the size: `make pictures` takes them again.
+Pictures and numbers are those of meshes at 0.1 % of the size; `make pictures` makes them again.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from pathlib import Path
 FOLDER = Path(__file__).resolve().parent
 DOCS = FOLDER.parent.parent / "docs"
 
-#: The parts, and what their pictures show.
+#: The parts, and the captions of their pictures.
 PARTS = {
-    "printed_hinge": "A hinge that is printed in place: five knuckles, a pin with 0.3 mm of play, two leaves",
+    "printed_hinge": "A hinge printed in place: two leaves, five knuckles, a pin with 0.3 mm of play",
     "gridfinity_bin": "A bin of two units on stepped feet",
-    "knurled_knob": "A thumb screw's head with 24 grooves",
-    "jar_neck": "The neck of a jar: a thread M30 with a pitch of 3.5",
+    "knurled_knob": "The head of a thumb screw, with 24 grooves",
+    "jar_neck": "The neck of a jar with a thread M30, pitch 3.5",
     "involute_gear": "Twelve involute teeth of module 3",
     "herringbone_gear": "Two twisted halves, each the mirror image of the other",
-    "geneva_wheel": "A Geneva wheel: six slots, six hollows",
+    "geneva_wheel": "A Geneva wheel with six slots and six hollows",
     "lantern_pinion": "Two discs with eight pins between them",
     "timing_pulley": "Twenty round grooves between two flanges",
     "valve_wheel": "Five spokes, and a hub with a square hole",
@@ -34,25 +34,26 @@ PARTS = {
     "wire_spring": "A zigzag of wire between two plates",
     "truss": "A truss of round rods with balls at its nodes",
     "rod_lattice": "A lattice of round struts",
-    "schwarz_cube": "One period of Schwarz' surface P",
+    "schwarz_cube": "One period of the Schwarz P surface",
     "mug": "A cup with a handle that ends in its wall",
-    "chess_pawn": "A pawn: a turned foot, a collar, a ball",
+    "chess_pawn": "A pawn: a turned foot, a collar and a ball",
     "dog_tag": "A plate with a raised rim and letters",
     "starfish": "Five tapering arms around a ball",
 }
 
 HEAD = """\
 # Gallery: parts as code
-Twenty of the 179 everyday parts in `tests/parts`, each a few lines of [shape script](shape-scripts.md). Every one becomes a
-closed, manifold mesh; the tests compare its volume with one that is calculated without Chordal. The pictures show the
+Twenty of the 179 everyday parts in `tests/parts`, each a [shape script](shape-scripts.md) of a few lines. Every part becomes a
+closed, manifold mesh, and the tests compare its volume with a value calculated without Chordal. The pictures show the
 triangles of
 
 ```sh
 chordal mesh tests/parts/NAME.star --tol 0.1% -o NAME.ply
 ```
 
-and the *bound* is how far any point of the mesh is from the shape, and of the shape from the mesh, at most. Where the proof of
-it does not end, the mesh is measured, and the report lists the places ([bounds](bound.md)).
+The *bound* limits how far a point of the mesh is from the shape, and a point of the shape from the mesh; *allowed* is the
+budget, 0.1 % of the size. If the proof of a bound does not end, the mesh is measured: *at least* is the largest distance
+found, and the report lists the places without a proof ([bounds](bound.md)).
 
 """
 
@@ -68,7 +69,7 @@ def rounded_up(length: float) -> str:
 
 
 def entry(program: str, name: str, words: str) -> str:
-    """The picture of a part's mesh, and what is known of it."""
+    """A cell of the table: the picture of a part's mesh, its triangles and its bound."""
     picture = DOCS / "pictures" / "parts" / f"{name}.png"
     picture.parent.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
@@ -78,7 +79,7 @@ def entry(program: str, name: str, words: str) -> str:
     certificate = json.loads(made)["certificate"]
     bound, triangles = certificate["bound"], certificate["output"]["triangles"]
     if bound["at_most"] is None:
-        known = f"measured, {bound['at_least']:.3g} at least"
+        known = f"at least {bound['at_least']:.3g} (measured)"
     else:
         known = f"{rounded_up(bound['at_most'])} ({bound['evidence']})"
     asked = rounded_up(certificate["budget"]["length"])
