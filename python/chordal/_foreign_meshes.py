@@ -202,11 +202,23 @@ def _of_trimesh(thing: Any) -> dict[str, Any]:
     elif visual is not None and getattr(visual, "kind", None) == "face":
         warn("colours of faces: these stay behind, for a mesh has colours of vertices")
     _warn_of_data({"vertices": getattr(thing, "vertex_attributes", None), "faces": getattr(thing, "face_attributes", None)}, ())
-    # Only normals in trimesh's cache, where assigned ones are kept: others would be computed here.
-    cache = getattr(thing, "_cache", None)
-    if cache is not None and "vertex_normals" in getattr(cache, "cache", {}):
+    # trimesh keeps assigned normals in its cache. `in` empties the cache first if the vertices or faces have changed.
+    cache: Any = getattr(thing, "_cache", None)
+    if hasattr(cache, "cache") and "vertex_normals" in cache and not _has_computed_normals(thing):
         arrays["normals"] = np.asarray(thing.vertex_normals)
     return arrays
+
+
+def _has_computed_normals(thing: Any) -> bool:
+    """Whether trimesh computed the vertex normals in its cache, where it keeps assigned ones as well."""
+    import numpy as np
+
+    # To compute normals it first stores the angles of the faces. Since others ask for these too, the values decide.
+    names = list(thing._cache.cache)
+    compute = getattr(getattr(type(thing).vertex_normals, "fget", None), "__wrapped__", None)
+    if compute is None or "face_angles" not in names[: names.index("vertex_normals")]:
+        return False
+    return np.array_equal(compute(thing), thing.vertex_normals)
 
 
 # Tried in this order: the last one accepts anything with vertices and faces.

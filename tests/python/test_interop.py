@@ -49,6 +49,26 @@ def test_trimesh_comes_and_goes() -> None:
     assert abs(ours.volume - theirs.volume) < 1e-15 and abs(ours.area - theirs.area) < 1e-15
 
 
+def test_normals_that_trimesh_computed_are_not_taken() -> None:
+    trimesh = library("trimesh")
+    triangle: dict[str, Any] = {"vertices": [(0, 0, 0), (1, 0, 0), (0, 1, 0)], "faces": [(0, 1, 2)], "process": False}
+    upwards = np.tile([0.0, 0, 1], (3, 1))
+    plain = trimesh.Trimesh(**triangle)
+    assert np.array_equal(plain.vertex_normals, upwards)
+    assert chordal.Mesh.from_(plain).normals is None
+    # Those that were assigned are taken even if they are the ones that trimesh would compute.
+    assigned = trimesh.Trimesh(**triangle, vertex_normals=upwards)
+    assert np.array_equal(chordal.Mesh.from_(assigned).normals, upwards)  # type: ignore[arg-type]
+    assert assigned.face_angles.shape == (1, 3)
+    assert np.array_equal(chordal.Mesh.from_(assigned).normals, upwards)  # type: ignore[arg-type]
+    tilted = np.tile([0.0, 0.6, 0.8], (3, 1))
+    plain.vertex_normals = tilted
+    assert np.array_equal(chordal.Mesh.from_(plain).normals, tilted)  # type: ignore[arg-type]
+    # Normals of vertices that have moved are gone, in trimesh as here.
+    assigned.vertices = assigned.vertices + 1
+    assert chordal.Mesh.from_(assigned).normals is None
+
+
 def test_numbers_of_a_mesh_are_those_of_trimesh() -> None:
     library("trimesh")
     ring = chordal.shapes.arc(0.5, center=(2, 0)).revolve().mesh(tol=0.01)
