@@ -27,10 +27,10 @@ def text(
     align: Literal["left", "center", "right"] = "left",
     **axes: SupportsFloat,
 ) -> Field:
-    """The letters of a text in a font, as a 2D shape: the exact distance to polygons within `tolerance` of the outlines, or a
-    lower bound where outlines overlap. `em` is the length of the font's em. Lines start at x = 0, or are centred or end there by
-    their advance widths, as `align` says. `axes` are coordinates of a variable font, as in `wght=700`. `Field.notes` has the
-    distance of the polygons from the outlines.
+    """The letters of a text in a font, as a 2D shape: the exact distance to polygons within `tolerance` of the outlines. If
+    outlines overlap, the area that they fill is computed first, and the value inside of it may be a lower bound. `em` is the
+    length of the font's em. Lines start at x = 0, or are centred or end there by their advance widths, as `align` says. `axes` are
+    coordinates of a variable font, as in `wght=700`. `Field.notes` has the distance of the polygons from the outlines.
 
     Raises `ReadError` for a text that the font cannot set, and `OSError` if the font cannot be read.
     """
@@ -47,7 +47,8 @@ def text(
 
 def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
     """The filled area of a drawing, as a 2D shape with y up: the exact distance to polygons within `tolerance` of its
-    curves, or a lower bound where they overlap. `Field.notes` has the distance of the polygons from the curves.
+    curves. If curves or shapes of the drawing overlap, the value inside may be a lower bound; outside it is exact.
+    `Field.notes` has the distance of the polygons from the curves.
 
     Raises `ReadError` if the file is not a drawing, and `OSError` if it cannot be read.
     """
