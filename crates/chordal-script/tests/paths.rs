@@ -326,7 +326,7 @@ fn what_is_no_path_is_one_sentence() {
             "polygon() refuses this input: no contour has three different corners",
         ),
         ("sweep([[0, 0, 0], [1, 0, 0]], 'a')", "a radius or a shape for 'profile', not a string"),
-        ("sweep([[0, 0, 0], [1, 0, 0]], plane([1, 0, 0]))", "needs an end on all sides"),
+        ("sweep([[0, 0, 0], [1, 0, 0]], plane([1, 0, 0]))", "must be bounded on all sides"),
         ("sweep([[0, 0, 0]], circle(1))", "at least 2"),
         ("sweep([[0, 0, 0], [9, 0, 0], [0, 0, 0]], circle(1))", "turns back at its point 1"),
         ("sweep(arc(1), circle(1.5))", "bends too sharply at its piece 0"),

@@ -39,15 +39,15 @@ function byOption(texts: Record<string, string>): Record<string, string> {
 /** Sentences about findings. */
 const SENTENCES: Record<string, string> = {
   "the surface ends there, so that it has no inside": "曲面到此为止，因此没有内部。",
-  "sheets branch there, and no side is the next one": "曲面在那里分叉，分不出下一个面是哪个。",
-  "sheets touch in a point, and a walk around it is torn": "几片曲面只在一点相接，绕它一周走不通。",
+  "sheets branch there, so that the next face is ambiguous": "曲面在那里分叉，分不出下一个面是哪个。",
+  "sheets touch in a point, so that its faces form no single fan": "几片曲面只在一点相接，那里的面不构成单一的扇形。",
   "a vertex lies in a neighbour's edge: a crack may show": "一个顶点落在邻面的边上：可能露出裂缝。",
   "one of the two triangles there shows its back": "那里的两个三角形有一个背面朝外。",
-  "the front looks into the material": "正面朝向材料内部。",
+  "the front faces the inside": "正面朝向内部。",
   "triangles meet where they should not, and inside is ambiguous": "三角形在不该相遇处相遇，内外不明。",
-  "two triangles lie in one place and fight for the pixels": "两个三角形占同一位置，争抢像素。",
+  "two triangles lie in the same place, and their pixels flicker": "两个三角形占同一位置，像素会闪烁。",
   "the surface is cut apart between equal points": "曲面在坐标相同的点之间断开。",
-  "two corners are one, so that nothing is covered": "两个角是同一个顶点，什么也没有覆盖。",
+  "two corners are the same vertex, so that the area is zero": "两个角是同一个顶点，面积为零。",
   "all corners lie on one line, so that there is no normal": "三个角在一条直线上，没有法线。",
   "longer than 100 heights, with a weak normal": "长度超过高的 100 倍，法线不可靠。",
   "no triangle has a corner there": "没有三角形用到它。",
@@ -61,7 +61,7 @@ const SENTENCES: Record<string, string> = {
     "曲面只有一侧，如莫比乌斯带：请把它剪开，或两面都绘制。",
   "a surface with one side only stays open: cut it so that it has two, then fill":
     "只有一侧的曲面无法封闭：先剪开，使它有两侧，再补孔。",
-  "leave them: welded, sheets would branch or touch there": "请保留：焊接后曲面会在那里分叉或相接。",
+  "leave them: if they were welded, sheets would branch or touch there": "请保留：焊接后曲面会在那里分叉或相接。",
   "look at it in the program that made it": "请在制作它的程序中查看。",
   "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it":
     "这是开放的曲面，或有分叉：可以保留，或在制作它的程序中赋予厚度。",

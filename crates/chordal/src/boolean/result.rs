@@ -96,8 +96,8 @@ pub(super) fn checked(
     let bound = match verdict {
         SideVerdict::Agrees { n_points } => {
             let what = format!(
-                "no region is on the wrong side that has none of the {n_points} points whose winding numbers were \
-                 compared"
+                "no region on the wrong side was missed by the {n_points} points whose winding numbers \
+                 were compared"
             );
             let evidence = Evidence::ProvedIf(vec![what]);
             let mut bound = Bound::with_evidence(0.0, Some(largest_distance), evidence, Reference::Boolean);

@@ -159,7 +159,8 @@ impl Budget {
             return Err(Refusal::new(RefusalCode::Budget, message));
         }
         if self.attributes.is_set() {
-            let message = "limits on attributes are for triangles that have some, when they are simplified";
+            let message = "limits on texture coordinates and normals apply only where triangles with such \
+                 attributes are simplified";
             return Err(Refusal::new(RefusalCode::Budget, message));
         }
         match self.angle_deg {

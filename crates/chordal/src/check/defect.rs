@@ -104,15 +104,15 @@ impl Defect {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::BoundaryEdges => "the surface ends there, so that it has no inside",
-            Self::NonManifoldEdges => "sheets branch there, and no side is the next one",
-            Self::NonManifoldVertices => "sheets touch in a point, and a walk around it is torn",
+            Self::NonManifoldEdges => "sheets branch there, so that the next face is ambiguous",
+            Self::NonManifoldVertices => "sheets touch in a point, so that its faces form no single fan",
             Self::TJunctions => "a vertex lies in a neighbour's edge: a crack may show",
             Self::InconsistentEdges => "one of the two triangles there shows its back",
-            Self::InsideOut => "the front looks into the material",
+            Self::InsideOut => "the front faces the inside",
             Self::SelfIntersections => "triangles meet where they should not, and inside is ambiguous",
-            Self::DuplicateFaces => "two triangles lie in one place and fight for the pixels",
+            Self::DuplicateFaces => "two triangles lie in the same place, and their pixels flicker",
             Self::DuplicateVertices => "the surface is cut apart between equal points",
-            Self::CollapsedFaces => "two corners are one, so that nothing is covered",
+            Self::CollapsedFaces => "two corners are the same vertex, so that the area is zero",
             Self::ZeroAreaFaces => "all corners lie on one line, so that there is no normal",
             Self::Slivers => "longer than 100 heights, with a weak normal",
             Self::UnusedVertices => "no triangle has a corner there",
@@ -164,7 +164,7 @@ impl Defect {
             Self::BoundaryEdges => {
                 "a surface with one side only stays open: cut it so that it has two, then fill"
             }
-            Self::DuplicateVertices => "leave them: welded, sheets would branch or touch there",
+            Self::DuplicateVertices => "leave them: if they were welded, sheets would branch or touch there",
             _ => "look at it in the program that made it",
         }
     }

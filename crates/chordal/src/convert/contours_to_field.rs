@@ -60,7 +60,7 @@ pub fn contours_to_field(
         ArrangeError::Cancelled => Failure::Cancelled,
         ArrangeError::TooManyPairs => Failure::refused(
             RefusalCode::TooManyTriangles,
-            "so many edges of the outline lie on each other that their crossings are not counted",
+            "so many edges of the outline overlap that their crossings are not computed",
         ),
     })?;
     let nothing = || Failure::refused(RefusalCode::Empty, "the contours enclose nothing");
@@ -69,7 +69,8 @@ pub fn contours_to_field(
     let shape = field_of(&regions)?;
     let snap_distance = grid.moved_at_most();
     let shape = shape.standing_for(format!(
-        "an outline that crosses itself is taken as cut at its crossings, which moved it by {snap_distance:.1e} at most"
+        "an outline that crosses itself is cut at its crossings, which moves it by at most \
+         {snap_distance:.1e}"
     ));
     Ok(Bounded { shape, bound: Bound::proved(0.0, snap_distance, Reference::Curves) })
 }

@@ -65,7 +65,8 @@ pub fn grid_to_block(
     let (size, affine) = (grid.size(), grid.affine());
     check(size, affine, rule)?;
     if rule.normals != Normals::None {
-        let message = "normals take samples beyond the sides of a block: ask for them by themselves";
+        let message = "normals need samples beyond the sides of a block: compute them apart from the \
+             triangles";
         return Err(refusal(RefusalCode::Unsupported, message.into()));
     }
     job.run(|| {

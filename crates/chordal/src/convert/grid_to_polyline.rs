@@ -39,7 +39,7 @@ pub fn grid_to_polyline(
 ) -> Result<Bounded<Vec<Polyline<2>>>, Failure<Vec<Polyline<2>>>> {
     let [nx, ny, nz] = grid.size();
     if nz != 1 {
-        let message = format!("level curves are of one plane of samples, and there are {nz}");
+        let message = format!("level curves need a single plane of samples, and there are {nz}");
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     let transform = LatticeTransform::new(grid.affine(), rule.offset);

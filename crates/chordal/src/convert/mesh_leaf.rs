@@ -510,13 +510,14 @@ impl Leaf for MeshLeaf {
             Evidence::Proved
         } else {
             let sentence =
-                "the mesh is not closed, and inside of it is where its winding number is above a half";
+                "the mesh is not closed, and points whose winding number is above a half count as inside";
             Evidence::ProvedIf(vec![sentence.into()])
         };
         let Some(lost) = self.source().and_then(|source| source.lost.as_ref()) else { return moments };
         let most = lost.at_most().unwrap_or(f64::INFINITY);
         let sentence = format!(
-            "a shape whose distance was made a true one is its triangles, which are up to {most:e} away from it"
+            "a shape whose distance was computed anew is replaced by triangles, which are up to {most:e} \
+             away from it"
         );
         moments.weaker(&Evidence::ProvedIf(vec![sentence])).weaker(lost.evidence())
     }

@@ -93,9 +93,9 @@ impl fmt::Display for SolidReport {
             faults.push("it has no triangles".into());
         }
         let sides = if self.closed {
-            "inside is where it winds around a point more often than not at all"
+            "points whose winding number is above 0 count as inside"
         } else {
-            "inside is where its winding number is above a half, and away from holes only that is sure"
+            "points whose winding number is above a half count as inside, which is sure only away from holes"
         };
         write!(f, "the mesh is not a solid: {}; {sides}", faults.join(", "))
     }

@@ -198,7 +198,8 @@ pub(super) fn refuse_slack(slack: f64, wanted: Option<f64>) -> Result<(), Failur
         None => Ok(()),
         Some(wanted) => {
             let message = format!(
-                "the surfaces are known to {slack:.3e} only, from how they were constructed, and the budget allows {wanted:.3e}"
+                "the surfaces are known only to within {slack:.3e}, from how they were constructed, and \
+                 the budget allows {wanted:.3e}"
             );
             Err(Failure::refused(RefusalCode::BelowPrecision, message))
         }

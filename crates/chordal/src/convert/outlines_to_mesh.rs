@@ -312,9 +312,7 @@ fn fill_failure(error: OutlineFillError, index: usize) -> Failure<Mesh> {
         OutlineFillError::Stop(ArrangeError::Cancelled) => Failure::Cancelled,
         OutlineFillError::Stop(ArrangeError::TooManyPairs) => Failure::refused(
             RefusalCode::TooManyTriangles,
-            format!(
-                "so many segments of outline {index} lie on each other that their crossings are not counted"
-            ),
+            format!("so many segments of outline {index} overlap that their crossings are not computed"),
         ),
         OutlineFillError::Areas => Failure::refused(
             RefusalCode::Unsupported,

@@ -330,7 +330,7 @@ impl fmt::Display for InvalidMesh {
                 write!(f, "face {face} names position {index}, but there are only {limit}")
             }
             Self::TooManyPositions(n) => write!(f, "{n} positions are more than 32-bit indices can name"),
-            Self::TooManyFaces(n) => write!(f, "{n} faces are more than 31 bits can name the edges of"),
+            Self::TooManyFaces(n) => write!(f, "{n} faces have more edges than 31 bits can number"),
             Self::Length { what, rows, expected } => {
                 write!(f, "{what} has {rows} values where {expected} are needed")
             }

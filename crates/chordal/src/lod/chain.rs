@@ -119,12 +119,12 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
     if steps.factor.is_nan() || steps.factor <= 1.0 {
         return refuse(
             RefusalCode::Budget,
-            format!("errors grow by a factor larger than 1, not {}", steps.factor),
+            format!("the factor between errors is larger than 1, not {}", steps.factor),
         );
     }
     if !(steps.tessellation_share > 0.0 && steps.tessellation_share < 1.0) {
         let message = format!(
-            "triangles of something smooth have a share between 0 and 1, not {}",
+            "the share of the error for the triangles of a smooth shape is between 0 and 1, not {}",
             steps.tessellation_share
         );
         return refuse(RefusalCode::Budget, message);
@@ -227,9 +227,9 @@ pub(super) fn needs_a_proof(what: &str, bound: &Bound) -> String {
         _ => "their distance from it is only estimated".to_owned(),
     };
     format!(
-        "{what} need a bound that holds, and the finest triangles of this shape have none: {why}; allow a larger error, or \
-         of a function promise a Lipschitz constant, or mesh the shape by itself and make {what} of that mesh, whose errors \
-         are then counted from its triangles"
+        "{what} need a proved bound, and the finest triangles of this shape have none: {why}; allow a \
+         larger error, or promise a Lipschitz constant of a function, or mesh the shape first and make \
+         {what} of that mesh, so that errors count from its triangles"
     )
 }
 

@@ -113,7 +113,8 @@ fn check(meshes: &[Mesh], budget: &Budget) -> Result<(), JobError> {
         return refused(RefusalCode::Budget, message);
     }
     if meshes.iter().any(|mesh| !mesh.attributes().is_empty()) {
-        let message = "meshes that share faces are simplified by their positions: they have no attributes";
+        let message = "meshes that share faces are simplified by their positions alone and must have no \
+             attributes";
         return refused(RefusalCode::Unsupported, message);
     }
     if meshes.iter().all(|mesh| mesh.faces().is_empty()) {

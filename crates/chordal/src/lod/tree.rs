@@ -130,7 +130,7 @@ pub fn tree(
     if tiling.factor.is_nan() || tiling.factor <= 1.0 {
         return refuse(
             RefusalCode::Budget,
-            format!("errors grow by a factor larger than 1, not {}", tiling.factor),
+            format!("the factor between errors is larger than 1, not {}", tiling.factor),
         );
     }
     if tiling.max_triangles == 0 {

@@ -93,7 +93,7 @@ pub fn render_comb(paths: &[Curve<2>], options: &RenderOptions, job: &Job) -> Re
         comb.windows(2).for_each(|pair| strips.add([pair[0].tip, pair[1].tip], tip_width));
     }
     let mesh = Mesh::new(strips.corners, strips.faces)
-        .map_err(|_| refused("the comb is past the range of numbers"))?;
+        .map_err(|_| refused("the comb leaves the range of numbers"))?;
     let options = RenderOptions {
         show: RenderStyle::Flat,
         viewpoint: Viewpoint::Camera(camera),

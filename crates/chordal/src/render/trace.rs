@@ -121,7 +121,8 @@ pub(super) fn ray_generator(
     let eye = RayGenerator::new(camera)
         .ok_or_else(|| refused(RefusalCode::Unsupported, "the camera has no axes".into()))?;
     if options.samples == 0 || options.samples > MOST_SAMPLES {
-        let message = format!("samples are 1 to {MOST_SAMPLES} a pixel's side, not {}", options.samples);
+        let message =
+            format!("samples along a pixel's side are 1 to {MOST_SAMPLES}, not {}", options.samples);
         return Err(refused(RefusalCode::Unsupported, message));
     }
     let Screen { width_px: width, height_px: height } = camera.screen;

@@ -106,7 +106,7 @@ pub fn outlines_to_bevelled_solid(
         let mesh = Mesh::new(positions, faces)
             .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;
         let promise =
-            "no part of the outlines and no gap in them comes or goes with the polygons that replace them";
+            "no part of the outlines and no gap in them appears or vanishes in the polygons that replace them";
         let evidence = Evidence::ProvedIf(vec![promise.into()]);
         let mut bound = Bound::with_evidence(0.0, Some(most), evidence, Reference::Curves);
         bound.pixels = budget.pixels.as_ref().and_then(|asked| asked.view.pixels_of(most, &place));

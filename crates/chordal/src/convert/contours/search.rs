@@ -99,10 +99,9 @@ pub(in crate::convert) fn search(
     }
     match best {
         Some(best) => Err(Failure::Unmet(Box::new(best))),
-        None => Err(Failure::refused(
-            RefusalCode::Budget,
-            "the budget is too small for the squares that can be told apart",
-        )),
+        None => {
+            Err(Failure::refused(RefusalCode::Budget, "the budget needs squares too small to be told apart"))
+        }
     }
 }
 
@@ -126,8 +125,10 @@ struct ContourSearch<'a> {
 impl ContourSearch<'_> {
     fn trace_at_step(&self, step: f64, pad: f64) -> Result<TracedContours, Failure<ContourPolylines>> {
         let Some(lattice) = ContourLattice::covering(&self.bounds, step) else {
-            let message =
-                format!("squares of {step:e} are too many in the region, or too small for its coordinates");
+            let message = format!(
+                "the budget needs squares of {step:e}, which are too many for the region or too \
+                     small for its coordinates"
+            );
             return Err(Failure::refused(RefusalCode::Budget, message));
         };
         let traced =
@@ -201,7 +202,7 @@ impl ContourSearch<'_> {
             }
         }
         let Some(step) = fits else {
-            let message = format!("{most} segments are too few for any lattice that shows the curve");
+            let message = format!("{most} segments are too few: no lattice that shows the curve has so few");
             return Err(Failure::refused(RefusalCode::Budget, message));
         };
         // The least aim that is proved, from a quarter of a step on.

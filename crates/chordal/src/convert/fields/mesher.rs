@@ -118,8 +118,8 @@ impl From<ImproveError> for Failure<Mesh> {
             // vertices.
             ImproveError::NotManifold => Self::refused(
                 RefusalCode::BelowPrecision,
-                "the shape changes within less than its coordinates have digits for: move it to the origin if it is far \
-                 from there; twist and repeat it less often",
+                "the shape has details that are too small for the digits of its coordinates: move it to \
+                 the origin if it is far from there; twist and repeat it less often",
             ),
         }
     }
@@ -128,8 +128,9 @@ impl From<ImproveError> for Failure<Mesh> {
 /// The error if neighbouring cells disagree about their common face: only an inconsistent leaf can cause it.
 fn contradiction() -> LeafError {
     LeafError::new(
-        "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point, \
-         two calls gave different values for one point, or it is inside beyond the bounds that it was given",
+        "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the \
+         point, two calls gave different values for one point, or it is negative outside of the bounds \
+         that it was given",
     )
 }
 
@@ -175,17 +176,17 @@ impl<'a> FieldMesher<'a> {
             if raw.faces.is_empty() {
                 let message = match grid.extent() {
                     FieldGridStatus::Whole if self.is_sampled => {
-                        "there is no surface to mesh: no sample is inside. The field is known only at points, and these are a \
-                         42nd of the longest side of its bounds apart, and a 12th of each side at most: tighter bounds, or a \
-                         Lipschitz constant, may show one"
+                        "there is no surface to mesh: no sample is inside. The field is known only at its \
+                         samples, which are a 42nd of the longest side of its bounds apart, or less along \
+                         short sides: tighter bounds or a Lipschitz constant may reveal a surface"
                     }
                     FieldGridStatus::Whole => {
                         "there is no surface to mesh: nothing is inside, the field is nowhere negative within the \
                          box of the shape"
                     }
                     FieldGridStatus::CutShort | FieldGridStatus::Exhausted => {
-                        "no surface was found in as many cells as this job may have: more memory, or tighter bounds, \
-                         may show one"
+                        "no surface was found with as many cells as this job may have: more memory or \
+                         tighter bounds may reveal one"
                     }
                 };
                 return Err(Failure::refused(RefusalCode::Empty, message));

@@ -87,7 +87,7 @@ pub fn with_face_materials(
 /// [`search`] without materials.
 fn search_plain(field: &Field, goal: &FieldMeshGoal, job: &Job) -> MeshResult {
     if !field.evidence().bounds_above() {
-        let message = "a function whose ranges are not known is not meshed together with triangles";
+        let message = "a function without known ranges cannot be meshed together with triangles";
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     if let Some(placed) = PlacedMesh::from_field(field) {
@@ -205,8 +205,8 @@ fn on_lattice(field: &Field, step: f64, enough: f64, job: &Job) -> MeshResult {
         // The proof assumes that these boxes contain no surface. The condition is worded for the author of the mesh, who knows
         // about films and gaps, not about boxes.
         let sentence = format!(
-            "nothing of the shape that lies along the triangles of a mesh which is open or crosses itself is thinner than \
-             {:.1e}: no film, no gap and no bump that all samples around miss ({} places look as if there could be one)",
+            "along the triangles of a mesh that is open or crosses itself, nothing is thinner than {:.1e}: \
+             no film, gap or bump lies between the samples ({} places could have one)",
             lattice.cell_diagonal(),
             cover.n_walls
         );
@@ -214,7 +214,7 @@ fn on_lattice(field: &Field, step: f64, enough: f64, job: &Job) -> MeshResult {
     }
     if lattice.n_doubtful() > 0 {
         let sentence = format!(
-            "the signs of the field at {} samples, which rounding may decide, are as computed",
+            "the computed signs of the field are right at {} samples where rounding could change them",
             lattice.n_doubtful()
         );
         evidence = evidence.weaker(&Evidence::ProvedIf(vec![sentence]));

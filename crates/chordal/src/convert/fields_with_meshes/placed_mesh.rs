@@ -51,12 +51,15 @@ impl PlacedMesh {
     /// Its triangles in space.
     pub(super) fn triangles(&self, field: &Field) -> Result<Bounded<Mesh>, Failure<Mesh>> {
         let Some(source) = source_of(&self.leaf) else {
-            return Err(Failure::refused(RefusalCode::Empty, "there is no surface: the mesh is not known"));
+            return Err(Failure::refused(
+                RefusalCode::Empty,
+                "there is no surface: the triangles of the mesh are not known",
+            ));
         };
         let bare = welded(&source.mesh)?;
         let Some(map) = &self.map else { return Ok(self.bounded(field, bare, 0.0, 1.0)) };
         let back = invert(map).ok_or_else(|| {
-            Failure::refused(RefusalCode::Unsupported, "a mesh is mapped by what has no inverse")
+            Failure::refused(RefusalCode::Unsupported, "a mesh is transformed by a map without an inverse")
         })?;
         let (mut mapped, mut rounding) = (Vec::with_capacity(bare.positions().len()), 0.0);
         for p in bare.positions() {
@@ -80,7 +83,10 @@ impl PlacedMesh {
         let mesh = Mesh::new(mapped, faces.collect());
         let mesh = mesh.map_err(|error| Failure::refused(RefusalCode::NotFinite, error.to_string()))?;
         if !rounding.is_finite() {
-            return Err(Failure::refused(RefusalCode::NotFinite, "a mesh is mapped beyond all numbers"));
+            return Err(Failure::refused(
+                RefusalCode::NotFinite,
+                "a mesh is transformed beyond the range of numbers",
+            ));
         }
         Ok(self.bounded(field, mesh, rounding, norm(&back)))
     }

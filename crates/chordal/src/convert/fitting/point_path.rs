@@ -185,7 +185,7 @@ fn are_corners<const D: usize, T>(
     match corners {
         Corners::At(indices) => {
             if let Some(index) = indices.iter().find(|index| **index >= points.len()) {
-                let message = format!("the corner {index} is none of the {} points", points.len());
+                let message = format!("corner {index} is not one of the {} points", points.len());
                 return Err(Failure::refused(RefusalCode::Budget, message));
             }
             let mut is_corner = vec![false; n];
@@ -199,7 +199,8 @@ fn are_corners<const D: usize, T>(
         }
         Corners::Sharper { deg } => {
             if !(0.0..=180.0).contains(deg) {
-                let message = format!("a corner is sharper than an angle from 0 to 180 degrees, not {deg}");
+                let message =
+                    format!("the angle from which on a point is a corner is 0 to 180 degrees, not {deg}");
                 return Err(Failure::refused(RefusalCode::Budget, message));
             }
             let least = libm::cos(deg.to_radians());

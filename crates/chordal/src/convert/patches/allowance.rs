@@ -59,7 +59,8 @@ pub(crate) fn refuse_tolerance(obstacle: InfeasibleTolerance) -> TessellationFai
         InfeasibleTolerance::NoConvergence(place) => {
             let place = centre(place);
             let message = format!(
-                "near ({place}) no number of triangles seems to do: the angle is too small for how the surface turns there"
+                "near ({place}) no number of triangles seems to be enough: the surface bends too sharply \
+                 for this angle"
             );
             Failure::refused(RefusalCode::BelowPrecision, message)
         }

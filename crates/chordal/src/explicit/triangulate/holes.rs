@@ -89,7 +89,7 @@ impl fmt::Display for InvalidPolygon {
             }
             Self::TooManyCorners(n) => write!(f, "{n} corners are more than the {MOST} that are cut at once"),
             Self::TooManyCrossings => {
-                write!(f, "so many sides lie across each other that their crossings are not counted")
+                write!(f, "so many sides cross each other that their crossings are not computed")
             }
             Self::Fault => {
                 write!(f, "the triangles do not cover what the contours enclose: a fault in the program")

@@ -128,7 +128,7 @@ impl Field {
         }
         let reach = farthest(&around);
         if around.is_empty() || !reach.is_finite() {
-            return Err(InvalidShape::Number("a loft needs profiles that have an end".into()));
+            return Err(InvalidShape::Number("a loft needs bounded profiles".into()));
         }
         let half = 0.5 * height;
         let flat = |profile: &Self| profile.at(&[x.clone(), y.clone(), Expr::constant(0.0)]).expr().clone();

@@ -86,7 +86,7 @@ impl Field {
         let wrong = |what: String| Err(InvalidShape::Number(what));
         let Box3 { min, max } = self.bounds();
         if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
-            return wrong("a shape that is swept along a path needs an end on all sides".into());
+            return wrong("a shape that is swept along a path must be bounded on all sides".into());
         }
         let mut at: Vec<[f64; 3]> = Vec::with_capacity(points.len());
         for point in points {

@@ -46,7 +46,7 @@ impl Field {
         let n: u64 = windows.iter().map(RepeatWindow::len).fold(1, u64::saturating_mul);
         if n > MOST {
             let reach = format!(
-                "the shape reaches so far across its period that {n} copies may be nearest to a point"
+                "the shape is so much longer than its period that {n} copies may be the nearest to a point"
             );
             return Err(InvalidShape::Number(format!("{reach}, and must be at most {MOST}")));
         }
@@ -227,7 +227,7 @@ impl RepeatWindow {
             return refused("a shape is repeated 0 times, and must be repeated once at least".into());
         }
         if !(low.is_finite() && high.is_finite()) {
-            return refused("a shape without ends cannot be repeated along them".into());
+            return refused("a shape cannot be repeated along an axis on which it has no bounds".into());
         }
         // One more copy on each side would cover any rounding of the quotients; a thousandth of a period is
         // already far more than that.

@@ -104,7 +104,7 @@ impl HullCorners {
                 Ok(corners)
             }
             ConstructionNode::Planar(_) => {
-                Err(refused("one here is of the plane, for which planar_hull(points) is"))
+                Err(refused("one here is a shape of the plane, for which there is planar_hull(points)"))
             }
             ConstructionNode::Intersection(_) | ConstructionNode::Complement(_) => {
                 Err(refused("one here is cut"))
@@ -168,8 +168,8 @@ impl HullCorners {
         match (self.radius, other.radius) {
             (Some(a), Some(b)) if (a - b).abs() > SAME * greater(a, b) => {
                 let message = format!(
-                    "a hull of shapes is one of balls of one radius, and here are {a} and {b}: a box has corners of \
-                     radius 0, and rounded_box(x, y, z, radius) those of a radius"
+                    "the shapes of a hull have corners of one radius, and here are {a} and {b}: those of a \
+                     box have the radius 0, those of rounded_box(x, y, z, radius) another one"
                 );
                 return Err(InvalidShape::Number(message));
             }

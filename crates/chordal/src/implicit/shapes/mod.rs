@@ -78,8 +78,8 @@ impl fmt::Display for InvalidShape {
             Self::NeedsDistance { operation, side } => {
                 write!(
                     f,
-                    "{operation} needs a distance, and the value of this shape is only a sign {side} of it: \
-                     redistance(shape, within) makes one"
+                    "{operation} needs a distance, and {side} of this shape the value is only a sign: \
+                     redistance(shape, within) makes it a distance"
                 )
             }
         }

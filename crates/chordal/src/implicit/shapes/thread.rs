@@ -56,7 +56,7 @@ impl ThreadForm {
     /// When it is no such name, or the coarse series has no such diameter.
     pub fn from_name(name: &str) -> Result<Self, InvalidShape> {
         let wrong = |what: String| InvalidShape::Number(what);
-        let unknown = || wrong(format!("a thread is '{name}', and must be a name as M6 or M6x0.75"));
+        let unknown = || wrong(format!("a thread has a name like M6 or M6x0.75, not '{name}'"));
         let numbers = name.strip_prefix('M').ok_or_else(unknown)?;
         let (diameter, pitch) = match numbers.split_once('x') {
             Some((diameter, pitch)) => (diameter, Some(pitch)),
