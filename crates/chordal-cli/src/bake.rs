@@ -48,7 +48,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let spec = spec.ok_or_else(|| Fault::usage("give either --cells or --tol, which set the resolution"))?;
     let outcome = run.made(bake(input, &spec, to, &run.job))?;
     run.keep_best(outcome.unmet.as_ref(), args.options.keep_best)?;
-    let solidity = outcome.certificate.baked.as_ref().and_then(|facts| facts.solid.as_ref());
+    let solidity = outcome.certificate.verb.grid().and_then(|facts| facts.solid.as_ref());
     if let Some(solidity) = solidity.filter(|solidity| !solidity.is_solid) {
         run.console.warn(&run.name(), &[&solidity.sentence]);
     }
@@ -59,7 +59,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
 
 fn summary_text(report: &Report) -> String {
     let mut lines = SummaryLines::of_run(&report.run);
-    if let Some(facts) = &report.certificate.baked {
+    if let Some(facts) = report.certificate.verb.grid() {
         add_grid(&mut lines, facts);
     }
     lines.add_if("surface", report.certificate.bound.as_ref().map(summary::bound));

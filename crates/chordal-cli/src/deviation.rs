@@ -68,7 +68,7 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     report.run = clock.fill(run, &job);
     console.warn(&names, &report.certificate.notes);
     console.result(&report, &summary_text(&report, &second.name()), StdoutUse::Free)?;
-    report.deviation.as_ref().map_or(Ok(()), |facts| check(&names, &report, facts))
+    report.deviation().map_or(Ok(()), |facts| check(&names, &report, facts))
 }
 
 fn check(names: &str, report: &Report, facts: &DeviationFacts) -> Result<(), Fault> {
@@ -91,7 +91,7 @@ fn check(names: &str, report: &Report, facts: &DeviationFacts) -> Result<(), Fau
 fn summary_text(report: &Report, against: &str) -> String {
     let name = report.run.input.clone().unwrap_or_default();
     let mut lines = SummaryLines::titled(&format!("{name} <-> {against}"));
-    if let (Some(bound), Some(facts)) = (&report.certificate.bound, &report.deviation) {
+    if let (Some(bound), Some(facts)) = (&report.certificate.bound, report.deviation()) {
         lines.add("deviation", summary::bound(bound));
         if let Some(most) = bound.at_most.filter(|most| *most > 0.0 && facts.diagonal > 0.0) {
             let percent = 100.0 * most / facts.diagonal;

@@ -21,7 +21,7 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     let frame = &certificate.frame;
     lines.add_if("up", frame.up.map(str::to_owned));
     lines.add_if("unit", frame.metres_per_unit.map(|metres| format!("{metres} m")));
-    if let Some(inspection) = &report.inspection {
+    if let Some(inspection) = report.inspection() {
         add_contents(&mut lines, inspection);
     }
     if let Some(output) = &certificate.output {
@@ -31,7 +31,7 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     lines.add_if("bound", certificate.bound.as_ref().map(bound));
     let valid = certificate.valid.as_ref();
     let has_triangles = valid.is_some_and(ValidityFacts::has_triangles);
-    let sizes = report.inspection.as_ref().and_then(|inspection| inspection.sizes);
+    let sizes = report.inspection().and_then(|inspection| inspection.sizes);
     if let Some(sizes) = sizes.filter(|_| has_triangles) {
         let (indexed, unindexed) = (size(sizes.indexed_bytes), size(sizes.unindexed_bytes));
         lines.add("geometry", format!("{indexed} indexed, {unindexed} unindexed"));
@@ -39,10 +39,10 @@ pub fn inspect(report: &Report, argument: &str) -> String {
         lines
             .add("drawing", format!("{acmr:.2} vertices a triangle, {best_acmr:.2} in the best order found"));
     }
-    if let Some(found) = report.inspection.as_ref().and_then(|inspection| inspection.found.as_ref()) {
+    if let Some(found) = report.inspection().and_then(|inspection| inspection.found.as_ref()) {
         lines.add("certificate", certificate_text(found));
     }
-    let findings = report.inspection.as_ref().and_then(|inspection| inspection.findings.as_ref());
+    let findings = report.inspection().and_then(|inspection| inspection.findings.as_ref());
     if valid.is_some() && !has_triangles {
         let is_empty = matches!(&certificate.output, Some(Output::Triangles(output)) if output.vertices == 0);
         let text = if is_empty { "none: 0 triangles, and no points" } else { "no triangles: points only" };

@@ -215,7 +215,7 @@ fn is_tileset_file(name: &str) -> bool {
 
 fn summary_text(report: &Report) -> String {
     let mut lines = SummaryLines::of_run(&report.run);
-    if let Some(facts) = &report.certificate.levels {
+    if let Some(facts) = report.certificate.verb.levels() {
         levels(&mut lines, facts);
     }
     lines.finish_run(&report.run)

@@ -9,7 +9,7 @@ use crate::summary::{self, plural};
 use crate::verb_run::{RunArgs, VerbRun};
 use chordal_verbs::mend;
 use chordal_verbs::options::MendOptions;
-use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts};
+use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts, VerbFacts};
 use clap::Args;
 use std::fmt::Write;
 
@@ -62,7 +62,7 @@ fn summary_text(report: &Report) -> String {
     let (title, rest) = summary.split_once('\n').unwrap_or((&summary, ""));
     let mut text = format!("{title}\n");
     let mut name = "mended";
-    for facts in &certificate.mended {
+    for facts in certificate.verb.repairs() {
         // Writing to a text does not fail.
         let _ = writeln!(text, "  {name:<11} {}: {}", facts.cure, changes_text(facts));
         name = "";
@@ -74,7 +74,11 @@ fn summary_text(report: &Report) -> String {
             "  but         this format merges equal positions, which undoes the split; write OBJ or PLY\n";
     }
     text += rest;
-    for (name, valid) in [("before", &certificate.valid_before), ("after", &certificate.valid)] {
+    let before = match &certificate.verb {
+        VerbFacts::Mended { valid_before, .. } => Some(&**valid_before),
+        _ => None,
+    };
+    for (name, valid) in [("before", before), ("after", certificate.valid.as_ref())] {
         if let Some(valid) = valid {
             let _ = writeln!(text, "  {name:<11} {}", faults(valid));
         }

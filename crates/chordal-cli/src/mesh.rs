@@ -16,6 +16,7 @@ use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal::budget::{Bound, Reference, RequiredEvidence};
 use chordal_verbs::options::MeshOptions;
+use chordal_verbs::report::VerbFacts;
 use chordal_verbs::{BudgetSpec, MeshFailure, Shape, mesh, mesh_boolean, needs_budget, refine, time_limit};
 use clap::Args;
 use std::path::PathBuf;
@@ -186,10 +187,11 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     } else if !options.keep_best {
         hints.push("--keep-best writes it");
     }
-    let smoothed = best.certificate.smoothed.as_ref();
-    let fits = smoothed
-        .and_then(|facts| facts.fits.as_ref())
-        .map(|fits| format!("--smooth {fits} alone is within it"));
+    let fits = match &best.certificate.verb {
+        VerbFacts::Smoothed { smoothed } => smoothed.fits.as_ref(),
+        _ => None,
+    };
+    let fits = fits.map(|fits| format!("--smooth {fits} alone is within it"));
     hints.extend(fits.as_deref());
     hints.iter().map(|hint| format!("; {hint}")).collect()
 }

@@ -16,6 +16,7 @@ use chordal::budget::camera::Screen;
 use chordal::render::DARKEST_LANES;
 use chordal_io::PictureFormat;
 use chordal_verbs::options::{PictureContent, PictureOptions};
+use chordal_verbs::report::VerbFacts;
 use chordal_verbs::{Input, RenderOutcome, render, render_against, render_comb};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -80,7 +81,8 @@ fn picture_text(outcome: &RenderOutcome) -> String {
     let scale = outcome
         .darkest
         .map(|most| format!("distances, light at 0, darkest at {}", short(most, RoundingDirection::Nearest)));
-    let lanes = outcome.certificate.overshade.as_ref().map(|_| {
+    let is_cost = matches!(outcome.certificate.verb, VerbFacts::Overshade { .. });
+    let lanes = is_cost.then(|| {
         format!("lanes a pixel, light at 1, yellow 2, orange 4, red 8, darkest at {DARKEST_LANES} and more")
     });
     let legend = scale.or(lanes);

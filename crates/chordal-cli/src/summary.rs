@@ -2,7 +2,7 @@
 use crate::numbers::{RoundingDirection, grouped, short, size};
 use chordal_verbs::report::{
     AttributeFacts, BooleanFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts,
-    SmoothingFacts, TriangleFacts, ValidityFacts,
+    SmoothingFacts, TriangleFacts, ValidityFacts, VerbFacts,
 };
 use std::fmt::Write;
 
@@ -51,7 +51,7 @@ pub fn mesh(report: &Report) -> String {
     if let Some(output) = &certificate.output {
         add_output(&mut lines, output);
     }
-    if let Some(refined) = &certificate.refined {
+    if let VerbFacts::Refined { refined } = &certificate.verb {
         let sharpness =
             format!("{} and {} left", plural(refined.creases, "crease"), plural(refined.corners, "corner"));
         lines.add(
@@ -59,7 +59,7 @@ pub fn mesh(report: &Report) -> String {
             format!("{} of {}, {sharpness}", plural(u64::from(refined.levels), "round"), refined.scheme),
         );
     }
-    if let Some(facts) = &certificate.boolean {
+    if let Some(facts) = certificate.verb.boolean() {
         lines.add("combined", combined(facts));
     }
     if let Some(facts) = &certificate.bound {
@@ -81,8 +81,10 @@ pub fn mesh(report: &Report) -> String {
             format!("{} degrees between normals, measured", short(angle, RoundingDirection::Up))
         }),
     );
-    lines.add_if("smoothed", certificate.smoothed.as_ref().map(smoothed));
-    certificate.attributes.iter().for_each(|facts| lines.add("attribute", attribute(facts)));
+    if let VerbFacts::Smoothed { smoothed } = &certificate.verb {
+        lines.add("smoothed", smoothing(smoothed));
+    }
+    certificate.verb.attributes().iter().for_each(|facts| lines.add("attribute", attribute(facts)));
     certificate.stayed.iter().for_each(|note| lines.add("stayed", &**note));
     certificate.warned.iter().for_each(|note| lines.add("note", &**note));
     if let Some(valid) = &certificate.valid {
@@ -104,7 +106,7 @@ fn combined(facts: &BooleanFacts) -> String {
 }
 
 /// The effect of smoothing.
-fn smoothed(facts: &SmoothingFacts) -> String {
+fn smoothing(facts: &SmoothingFacts) -> String {
     let most =
         facts.at_most.map_or_else(|| "any length".to_owned(), |most| short(most, RoundingDirection::Up));
     let least = short(facts.at_least, RoundingDirection::Down);
@@ -126,7 +128,7 @@ pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String
     }
     lines
         .add_if("backs", back_share.map(|share| format!("{:.0}% of the triangles face away", 100.0 * share)));
-    if let Some(facts) = &certificate.overshade {
+    if let VerbFacts::Overshade { overshade: facts } = &certificate.verb {
         overshade(&mut lines, facts);
     }
     if let Some(facts) = &certificate.bound {

@@ -1,7 +1,7 @@
 //! `deviation`: the distance between two shapes, certified from both sides.
 use crate::mesh::field;
 use crate::mesh::isosurface::surface_of;
-use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
+use crate::report::{BoundFacts, Certificate, DeviationFacts, ExaminationFacts, Report, RunFacts, Verdict};
 use crate::scene::flatten;
 use crate::scene::merged_parts;
 use crate::{Input, MeshFailure, Shape, VolumeShape};
@@ -82,7 +82,8 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
         verdict,
     };
     let run = RunFacts { verb: "deviation", ..RunFacts::default() };
-    Ok(Report { deviation: Some(facts), ..Report::new(certificate, run) })
+    let examined = Some(ExaminationFacts::Deviation(Box::new(facts)));
+    Ok(Report { examined, ..Report::new(certificate, run) })
 }
 
 /// Measures two triangle surfaces, or triangles against a field.

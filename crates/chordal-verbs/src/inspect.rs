@@ -2,8 +2,8 @@
 use crate::mend::recommend::recommend_repairs;
 use crate::mesh::isosurface::surface_of;
 use crate::report::{
-    BoundFacts, Certificate, CheckDepth, CountError, CountedTriangles, Inspection, Output, PolygonFacts,
-    PolylineFacts, Report, RunFacts,
+    BoundFacts, Certificate, CheckDepth, CountError, CountedTriangles, ExaminationFacts, Inspection, Output,
+    PolygonFacts, PolylineFacts, Report, RunFacts,
 };
 use crate::{Input, MeshFailure, Shape};
 use chordal::budget::JobError;
@@ -117,7 +117,8 @@ fn report(input: &Input, counted: Option<CountedTriangles>) -> Report {
         certificate.notes.push(DIFFERS.into());
     }
     let run = RunFacts { verb: "inspect", ..RunFacts::default() };
-    Report { inspection: Some(inspection), ..Report::new(certificate, run) }
+    let examined = Some(ExaminationFacts::Inspection(Box::new(inspection)));
+    Report { examined, ..Report::new(certificate, run) }
 }
 
 const DIFFERS: &str =

@@ -5,7 +5,7 @@ use crate::input::drawing_regions::{self, FilledRegions};
 use crate::mesh::field;
 use crate::mesh::isosurface::surface_of;
 use crate::report::{
-    BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts,
+    BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts, VerbFacts,
 };
 use crate::scene::merged_parts;
 use crate::{BudgetSpec, Input, MeshFailure, Shape};
@@ -393,7 +393,8 @@ fn draw_mesh(
             CullMode::Front => HitSides::Back,
         };
         let flicker = check::shading::flicker(mesh, &camera, sides, job)?;
-        certificate.overshade = Some(OvershadeFacts::new(&counts, &flicker, &camera, sides));
+        let overshade = OvershadeFacts::new(&counts, &flicker, &camera, sides);
+        certificate.verb = VerbFacts::Overshade { overshade };
         picture
     } else {
         trace(mesh, options, job)?

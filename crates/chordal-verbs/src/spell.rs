@@ -1,5 +1,5 @@
 //! `Spell` for the results of verbs: a front end spells the settings in their messages and certificates.
-use crate::report::{Certificate, FindingFacts, Report, WarningFacts};
+use crate::report::{Certificate, ExaminationFacts, FindingFacts, Report, WarningFacts};
 use crate::{
     BakeOutcome, ConvertOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome,
     VerifyReport,
@@ -77,7 +77,7 @@ impl Spell for WarningFacts {
 impl Spell for Report {
     fn spell(&mut self, spelling: &dyn Spelling) {
         self.certificate.spell(spelling);
-        if let Some(inspection) = &mut self.inspection {
+        if let Some(ExaminationFacts::Inspection(inspection)) = &mut self.examined {
             inspection.findings.spell(spelling);
         }
     }

@@ -163,7 +163,7 @@ fn the_bounds_of_the_interpolant_are_never_exceeded() {
             let input = load(script.as_bytes(), hint, &Default::default()).unwrap();
             let spec = BakeSpec { band, is_sparse: band.is_some(), ..BakeSpec::cells(21) };
             let outcome = bake(input, &spec, chordal_io::Format::Nrrd, &Job::default()).unwrap();
-            let facts = outcome.certificate.baked.clone().unwrap();
+            let facts = outcome.certificate.verb.grid().cloned().unwrap();
             assert_eq!(facts.route, route, "{script}");
             let between = facts.interpolant.unwrap();
             let (most, at_samples) = (between.at_most, facts.off_at_most.unwrap());

@@ -91,7 +91,7 @@ fn schema() -> jsonschema::Validator {
 /// Every finding has its count, its words, a cure or an advice, and a place that is there.
 fn is_a_good_letter(name: &str, report: &Report, scene: &chordal_io::Scene) {
     let valid = report.certificate.valid.as_ref().unwrap();
-    let findings = report.inspection.as_ref().unwrap().findings.as_ref().unwrap();
+    let findings = report.inspection().unwrap().findings.as_ref().unwrap();
     let witnesses = valid.witnesses.as_ref().unwrap();
     for finding in findings {
         assert!(
@@ -127,8 +127,8 @@ fn places_of_moved_parts_are_said_to_be_their_own() {
         chordal_io::write(&scene, None, Format::Glb, &mut glb).unwrap();
         let input = load(&glb, FormatHint::default(), &Default::default()).unwrap();
         let report = chordal_verbs::inspect(&input);
+        let bounds = report.inspection().unwrap().bounds.unwrap();
         let anatomy = report.certificate.valid.unwrap().anatomy.unwrap();
-        let bounds = report.inspection.unwrap().bounds.unwrap();
         assert_eq!((anatomy.in_place, bounds[0][0]), (moved == 0.0, moved));
         assert_eq!(anatomy.component_list[0].bounds, [[0.0; 3], [1.0; 3]]);
     }

@@ -218,14 +218,14 @@ fn polylines_read_back_with_their_certificate_and_count_the_same() {
         assert_eq!(read.format, to, "by its content");
         let report = inspect(&read);
         assert_eq!(report.certificate.output, outcome.certificate.output);
-        let found = report.inspection.unwrap().found.unwrap();
-        assert_eq!((found.certificate, found.differs.len()), (outcome.certificate.to_value(), 0), "{to}");
+        let found = report.inspection().unwrap().found.as_ref().unwrap();
+        assert_eq!((&found.certificate, found.differs.len()), (&outcome.certificate.to_value(), 0), "{to}");
     }
     assert!(matches!(outcome.certificate.output, Some(Output::Polylines(_))));
 }
 
 fn inspected(text: &str) -> Inspection {
-    inspect(&drawing(text)).inspection.unwrap()
+    inspect(&drawing(text)).inspection().unwrap().clone()
 }
 
 #[test]

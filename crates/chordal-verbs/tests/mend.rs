@@ -5,7 +5,7 @@ use chordal::budget::Length;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Frame, Scene, write};
 use chordal_testkit::is_long;
-use chordal_verbs::report::ValidityCounts;
+use chordal_verbs::report::{ValidityCounts, VerbFacts};
 use chordal_verbs::{
     Duplicates, FormatHint, HoleSelection, Input, MendSpec, MeshOutcome, Shape, WeldTolerance, load, mend,
 };
@@ -36,9 +36,15 @@ fn done(input: Input, spec: &MendSpec, to: Format) -> MeshOutcome {
     mend(input, spec, to, &Job::default()).unwrap()
 }
 
+/// The counts of the triangles before they were mended.
+fn counts_before(outcome: &MeshOutcome) -> &ValidityCounts {
+    let VerbFacts::Mended { valid_before, .. } = &outcome.certificate.verb else { panic!("not mended") };
+    &valid_before.counts
+}
+
 /// How often the cures say that something was met and not mended.
 fn left(outcome: &MeshOutcome, what: &str) -> u64 {
-    let changes = outcome.certificate.mended.iter().flat_map(|facts| &facts.changes);
+    let changes = outcome.certificate.verb.repairs().iter().flat_map(|facts| &facts.changes);
     changes.filter(|change| change.what == what).map(|change| change.count).sum()
 }
 
@@ -50,7 +56,7 @@ fn all_cures_together_leave_nothing_to_mend_that_they_do_not_name() {
         // OBJ keeps what was split apart: it has indices of positions, and ties what is tied.
         let outcome = done(input, &ALL, Format::Obj);
         let name = path.display();
-        let was = &outcome.certificate.valid_before.as_ref().unwrap().counts;
+        let was = counts_before(&outcome);
         let is = &outcome.certificate.valid.as_ref().unwrap().counts;
         assert!(is.manifold, "{name}: {is:?}");
         assert_eq!((is.duplicate_faces, is.collapsed_faces, is.unused_vertices), (0, 0, 0), "{name}");
@@ -94,7 +100,7 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
             }
             let outcome = done(input, &spec, Format::Obj);
             let name = format!("{}, {cure}", path.display());
-            let was = &outcome.certificate.valid_before.as_ref().unwrap().counts;
+            let was = counts_before(&outcome);
             let is = &outcome.certificate.valid.as_ref().unwrap().counts;
             // A copy of an edge that had three faces may be a boundary, and a hole may be left where there
             // was a face.
@@ -175,7 +181,7 @@ fn each_part_is_mended_by_itself() {
     let scene = outcome.scene().unwrap();
     assert_eq!(scene.parts.iter().map(|part| part.mesh.faces().len()).collect::<Vec<_>>(), [4, 4]);
     assert_eq!(left(&outcome, "filled_holes"), 2);
-    let filled = outcome.certificate.mended.iter().find(|facts| facts.cure == "fill-holes").unwrap();
+    let filled = outcome.certificate.verb.repairs().iter().find(|facts| facts.cure == "fill-holes").unwrap();
     let parts: Vec<u64> = filled.changes[0].witnesses.iter().map(|witness| witness.part).collect();
     assert_eq!(parts, [0, 1]);
     assert!(outcome.certificate.valid.as_ref().unwrap().counts.closed);

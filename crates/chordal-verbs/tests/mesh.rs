@@ -181,7 +181,7 @@ fn new_triangles_are_in_the_order_of_vertex_caches_in_every_format() {
         let hint = FormatHint { format: Some(format), ..FormatHint::default() };
         let read = inspect(&load(&bytes, hint, &Limits::default()).unwrap());
         assert!(read.certificate.output.unwrap().triangles().unwrap().triangles > 200);
-        read.inspection.unwrap().sizes.unwrap().acmr
+        read.inspection().unwrap().sizes.unwrap().acmr
     };
     let fine = mesh(patch_at([0.1, 0.2, 0.3]), &length("0.0001"), Format::Ply, &Job::default()).unwrap();
     let fine = fine.scene().unwrap();
@@ -408,7 +408,9 @@ fn simplified_attributes_are_measured_part_by_part() {
         mesh(input(Shape::Scene(scene)), &length(asked), Format::Ply, &Job::default()).unwrap().certificate
     };
     let simple = made(scene(textured(0.0)), "0.5%");
-    let [facts] = &simple.attributes[..] else { panic!("one attribute, not {:?}", simple.attributes) };
+    let [facts] = simple.verb.attributes() else {
+        panic!("one attribute, not {:?}", simple.verb.attributes())
+    };
     assert_eq!((facts.semantic, facts.name.as_str()), ("texcoord", "texcoord 0"));
     assert_eq!((facts.unit, facts.evidence), ("value", "measured"));
     // Coordinates are the place, so that only hills that were straightened and rounding shift them.
@@ -423,14 +425,14 @@ fn simplified_attributes_are_measured_part_by_part() {
     two.nodes.push(Node { name: String::new(), part: Some(1), ..two.nodes[0].clone() });
     two.roots.push(1);
     let both = made(two, "0.5%");
-    assert_eq!(both.attributes.len(), 1);
-    assert!(both.attributes[0].largest.unwrap() > 0.3, "{:?}", both.attributes);
-    assert!(both.attributes[0].samples > facts.samples);
+    assert_eq!(both.verb.attributes().len(), 1);
+    assert!(both.verb.attributes()[0].largest.unwrap() > 0.3, "{:?}", both.verb.attributes());
+    assert!(both.verb.attributes()[0].samples > facts.samples);
     // Where nothing went nothing is measured, and nothing where there are no attributes.
-    assert!(made(scene(textured(0.0)), "1e-12").attributes.is_empty());
+    assert!(made(scene(textured(0.0)), "1e-12").verb.attributes().is_empty());
     let bare = textured(0.0);
     let bare = Mesh::new(bare.positions().to_vec(), bare.faces().to_vec()).unwrap();
-    assert!(made(scene(bare), "0.5%").attributes.is_empty());
+    assert!(made(scene(bare), "0.5%").verb.attributes().is_empty());
 }
 
 fn script(text: &str) -> Input {

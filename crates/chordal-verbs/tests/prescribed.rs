@@ -18,7 +18,7 @@ fn read(bytes: &[u8], name: &str) -> Option<Input> {
 }
 
 fn findings(report: &Report) -> &[FindingFacts] {
-    report.inspection.as_ref().unwrap().findings.as_deref().unwrap_or_default()
+    report.inspection().unwrap().findings.as_deref().unwrap_or_default()
 }
 
 fn options(cures: &[Cure]) -> Vec<String> {

@@ -179,11 +179,11 @@ fn limits_on_attributes_count_their_rounding() {
         let attributes = AttributeLimits::new(Some(texcoord), Some(normal_deg)).expect("limits");
         let spec = BudgetSpec { attributes, ..budget("0.01") };
         let made = mesh(loaded(text.as_bytes(), Format::Obj), &spec, SMALL, &Job::default()).expect("made");
-        for facts in &made.certificate.attributes {
+        for facts in made.certificate.verb.attributes() {
             let limit = if facts.semantic == "normal" { normal_deg } else { texcoord };
             assert!(facts.largest.expect("a number") <= limit, "{facts:?}");
         }
-        assert_eq!(made.certificate.attributes.len(), 2);
+        assert_eq!(made.certificate.verb.attributes().len(), 2);
         *made.scene().expect("triangles").parts[0].storage.as_deref().expect("asked for")
     };
     use chordal_io::glb::DirectionBits::{Eight, Single, Sixteen};

@@ -6,7 +6,9 @@ mod spec;
 use crate::formats::{in_words, names_where};
 use crate::mesh::isosurface::zero_set::zero_set_distance;
 use crate::provenance::geometry_digest::samples_digest;
-use crate::report::{BoundFacts, BudgetFacts, Certificate, DistanceGridFacts, InterpolantFacts, SolidFacts};
+use crate::report::{
+    BoundFacts, BudgetFacts, Certificate, DistanceGridFacts, InterpolantFacts, SolidFacts, VerbFacts,
+};
 use crate::{BudgetSpec, Input, MeshFailure};
 use chordal::Job;
 use chordal::budget::advice::{Message, Setting};
@@ -91,8 +93,8 @@ impl BakeOutcome {
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 /// let input = load(obj, FormatHint { name: Some("corner.obj"), ..FormatHint::default() }, &Default::default())?;
 /// let outcome = bake(input, &BakeSpec::cells(8), Format::Nrrd, &Default::default())?;
-/// let facts = outcome.certificate.baked.unwrap();
-/// assert!(facts.solid.unwrap().is_solid && facts.size == [15; 3] && facts.off_at_most.unwrap() < 1e-12);
+/// let facts = outcome.certificate.verb.grid().unwrap();
+/// assert!(facts.solid.as_ref().unwrap().is_solid && facts.size == [15; 3] && facts.off_at_most.unwrap() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<BakeOutcome, MeshFailure> {
@@ -103,7 +105,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     if spec.is_sparse && spec.band.is_none() {
         return Err(MeshFailure::Usage("samples are sparse beyond a band, and none was given".into()));
     }
-    let mut certificate = Certificate::from_input(&input).by("bake");
+    let mut certificate = Certificate::from_input(&input);
     let frame = *input.shape.frame();
     let limit = match spec.resolution {
         BakeResolution::Cells(_) => None,
@@ -138,7 +140,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
         (_, limit) => bake_within(&source, (limit.unwrap_or(within), longest), spec, job)?,
     };
     certificate.bound = surface.as_ref().map(BoundFacts::new);
-    certificate.baked = Some(facts(&source, &sampled, job)?);
+    certificate.verb = VerbFacts::Baked { baked: Box::new(facts(&source, &sampled, job)?) };
     if let Some(solid) = sampled.solid.as_ref().filter(|solid| !solid.is_solid()) {
         certificate.notes.push(solid.to_string().into());
     }

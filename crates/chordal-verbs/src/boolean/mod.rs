@@ -7,7 +7,9 @@ use crate::mesh::request::MeshRequest;
 use crate::output::file_rows::order_new_triangles;
 use crate::output::finish::finish_triangles;
 use crate::output::format_rounding::RoundingTarget;
-use crate::report::{BooleanFacts, BooleanOperandFacts, BoundFacts, BudgetFacts, Certificate, InputFacts};
+use crate::report::{
+    BooleanFacts, BooleanOperandFacts, BoundFacts, BudgetFacts, Certificate, InputFacts, VerbFacts,
+};
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, formats};
 use chordal::boolean::{BooleanMesh, BooleanOp};
 use chordal::budget::advice::{Cure, Message, Setting};
@@ -116,7 +118,7 @@ pub fn mesh_boolean(
     }
     let operand_bounds: Vec<&Bound> = operands.iter().filter_map(|operand| operand.bound.as_ref()).collect();
     let bound = total_bound(&solid, &operand_bounds);
-    certificate.boolean = Some(facts(&solid, (&operands, &ops), inputs));
+    certificate.verb = VerbFacts::Boolean { boolean: facts(&solid, (&operands, &ops), inputs) };
     // 4. The attributes of its faces.
     let mut scene = carried::scene_of(&solid, operands, frame, &mut certificate.notes)?;
     spec.normals.apply(&mut scene, [format, form.format], &mut certificate.notes)?;

@@ -7,7 +7,7 @@ use crate::output::pass_through::pass_through;
 use crate::provenance::geometry_digest::{
     polylines_digest, volume_digest, written_digest, written_polygons_digest,
 };
-use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts};
+use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts, VerbFacts};
 use crate::{Input, MeshFailure, OutputForm, Shape, Tessellation, formats};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Length, Reference, RefusalCode};
@@ -143,7 +143,8 @@ pub fn convert_within(
     let form: OutputForm = to.into();
     let to = form.format;
     check_format(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::from_input(&input).by("convert");
+    let mut certificate = Certificate::from_input(&input);
+    certificate.verb = VerbFacts::Converted {};
     certificate.notes.extend(polygons_note(&input, to));
     let left_out = left_out_certificate(&mut input.shape);
     certificate.notes.extend(left_out.filter(|_| !certificate.has_earlier_steps()));

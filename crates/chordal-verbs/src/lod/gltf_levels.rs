@@ -47,7 +47,7 @@ impl LodOutcome {
                 "a shape that is cut in space is a tileset, not one file".to_owned(),
             ));
         };
-        let level_facts = self.certificate.levels.as_ref().map_or(&[][..], |facts| &facts.levels);
+        let level_facts = self.certificate.verb.levels().map_or(&[][..], |facts| &facts.levels);
         let extras = |(level, facts): (&SceneLevel, &LevelFacts)| {
             let counts = (level.triangles, level.vertices);
             extras_of(&self.certificate, &level.bound, counts, facts.geometry.clone())

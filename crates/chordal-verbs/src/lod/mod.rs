@@ -15,7 +15,9 @@ use crate::output::format_rounding::single_precision_note;
 use crate::output::notes::packing_note;
 use crate::output::notes::too_fine_note;
 use crate::provenance::geometry_digest::written_digest;
-use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, OpenPlacesFacts, Output};
+use crate::report::{
+    BoundFacts, BudgetFacts, Certificate, CountedTriangles, OpenPlacesFacts, Output, VerbFacts,
+};
 use crate::{BudgetSpec, Input, MeshFailure, Normals, OutputForm, Shape};
 use chordal::Job;
 use chordal::budget::advice::Message;
@@ -115,7 +117,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
             "limits on texture coordinates and normals apply only to triangles that have these attributes";
         return Err(MeshFailure::refused(RefusalCode::Budget, message));
     }
-    let mut certificate = Certificate::from_input(&input).by("lod");
+    let mut certificate = Certificate::from_input(&input);
     let diagonal = input.shape.diagonal()?;
     let finest = finest(&input.shape, spec, &mut certificate)?;
     let budget = Budget { attributes: spec.attributes, ..Budget::length(finest) };
@@ -174,7 +176,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     }
     let finest = || written_digest(outcome.layout.finest_scene(), Format::Glb);
     let geometry = levels.first().and_then(|level| level.geometry.clone()).or_else(finest);
-    outcome.certificate.levels = Some(outcome.facts(levels));
+    outcome.certificate.verb = VerbFacts::Levels { levels: outcome.facts(levels) };
     outcome.certificate.conclude(("triangles", Format::Glb), geometry);
     Ok(outcome)
 }

@@ -3,7 +3,7 @@ pub(crate) mod recommend;
 use crate::mesh::request::MeshRequest;
 use crate::output::finish::finish_triangles;
 use crate::output::pass_through::pass_through;
-use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
+use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts, VerbFacts};
 use crate::scene::placements::part_scales;
 use crate::scene::shown_parts::max_bound;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, formats};
@@ -84,7 +84,7 @@ pub(crate) enum RepairStep {
 /// let input = load(obj, FormatHint { name: Some("triangle.obj"), ..FormatHint::default() }, &Default::default())?;
 /// let spec = MendSpec { drop_unused: true, ..MendSpec::default() };
 /// let outcome = mend(input, &spec, Format::Ply, &Default::default())?;
-/// assert_eq!(outcome.certificate.mended[0].changes[0].what, "dropped_vertices");
+/// assert_eq!(outcome.certificate.verb.repairs()[0].changes[0].what, "dropped_vertices");
 /// assert_eq!(outcome.certificate.valid.unwrap().counts.unused_vertices, 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -101,22 +101,24 @@ pub fn mend(
         return Err(MeshFailure::Usage("no repair is requested".into()));
     }
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::from_input(&input).by("mend");
+    let mut certificate = Certificate::from_input(&input);
     let bounds = input.shape.bounds()?;
     let kind = input.shape.kind();
     let Shape::Scene(mut scene) = input.shape else {
         return Err(MeshFailure::Usage(formats::only_triangles("mended", kind)));
     };
-    certificate.valid_before = Some(CountedTriangles::from_scene(&scene, input.format)?.valid);
+    let valid_before = Box::new(CountedTriangles::from_scene(&scene, input.format)?.valid);
     let mut bound = Bound::exact(Reference::InputTriangles);
+    let mut mended = Vec::new();
     let mut topologies = vec![input.format.topology(); scene.parts.len()];
     let stretch = part_scales(&scene);
     for cure in cures {
         let (facts, cured) = cure.apply(&mut scene, &stretch, &mut topologies, job)?;
         bound = bound.then(&cured);
-        certificate.mended.push(facts);
+        mended.push(facts);
     }
-    certificate.notes.extend(nesting_note(&certificate.mended));
+    certificate.notes.extend(nesting_note(&mended));
+    certificate.verb = VerbFacts::Mended { valid_before, mended };
     if certificate.was_split() && to.topology() == Topology::Positions {
         certificate.notes.push(
             format!("{to} has no indices of positions: copies on each other are one there again").into(),

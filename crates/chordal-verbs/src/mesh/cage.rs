@@ -4,7 +4,9 @@ use crate::formats::extensions_where;
 use crate::output::file_rows::to_file_rows;
 use crate::output::format_rounding::{RoundingTarget, single_precision_note};
 use crate::provenance::geometry_digest::{written_digest, written_polygons_digest};
-use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
+use crate::report::{
+    Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, VerbFacts, linear_name,
+};
 use crate::{Input, MeshFailure, Normals, OutputForm, Shape, formats};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Reference, RefusalCode};
@@ -160,7 +162,7 @@ pub fn refine(
     let form: OutputForm = to.into();
     let to = form.format;
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::from_input(&input).by("refine");
+    let mut certificate = Certificate::from_input(&input);
     let Shape::Cage(polygons) = input.shape else {
         return Err(MeshFailure::Usage(not_a_cage_message(&input.shape, input.format)));
     };
@@ -174,7 +176,7 @@ pub fn refine(
     if job.is_cancelled() {
         return Err(MeshFailure::Cancelled);
     }
-    certificate.refined = Some(RefinementFacts::new(&refined.cage, levels));
+    certificate.verb = VerbFacts::Refined { refined: RefinementFacts::new(&refined.cage, levels) };
     if as_polygons {
         let moved = polygon_rounding(&refined, to)?;
         let rounded = Bound::proved(0.0, moved, Reference::InputTriangles);

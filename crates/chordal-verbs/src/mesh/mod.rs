@@ -11,7 +11,7 @@ use crate::output::file_rows::order_new_triangles;
 use crate::output::finish::finish_triangles;
 use crate::output::notes::too_fine_note;
 use crate::output::pass_through::pass_through;
-use crate::report::{BudgetFacts, Certificate};
+use crate::report::{BudgetFacts, Certificate, VerbFacts};
 use crate::scene::drop_attributes::drop_normals;
 use crate::simplify::simplify_scene;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, formats};
@@ -104,7 +104,9 @@ pub fn mesh(
         Shape::Volume(sampled) => {
             let request = (&request.widened(), SurfaceForm::Simplified);
             let surface = isosurface::mesh_volume(&sampled, request, &mut certificate.notes, job)?;
-            certificate.smoothed = surface.smoothed;
+            if let Some(smoothed) = surface.smoothed {
+                certificate.verb = VerbFacts::Smoothed { smoothed };
+            }
             (surface.scene, surface.bound)
         }
         Shape::Field(implicit) => {

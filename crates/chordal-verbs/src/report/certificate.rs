@@ -1,10 +1,10 @@
 //! `Certificate`: the facts about a result that do not depend on the machine and the time, for the report and for the file.
 use super::history::gap;
 use super::message_text::message_texts;
+use super::verb_facts::VerbFacts;
 use super::{
-    AttributeFacts, BooleanFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, HistoryFacts,
-    HistoryStart, InputFacts, LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts,
-    SmoothingFacts, StepBound, StepFacts, StepOutput, ValidityFacts, to_value,
+    BoundFacts, BudgetFacts, FrameFacts, HistoryFacts, HistoryStart, InputFacts, Output, StepBound,
+    StepFacts, StepOutput, ValidityFacts, to_value,
 };
 use crate::provenance::origin::InputOrigin;
 use crate::provenance::seal::seal_of;
@@ -28,9 +28,6 @@ pub struct Certificate {
     pub frame: FrameFacts,
     /// The budget; `None` if there is none.
     pub budget: Option<BudgetFacts>,
-    /// The verb that builds the result.
-    #[serde(skip)]
-    verb: &'static str,
     /// The origin of the input.
     #[serde(skip)]
     origin: InputOrigin,
@@ -40,33 +37,9 @@ pub struct Certificate {
     pub output: Option<Output>,
     /// The validity of the triangles; `None` for other results.
     pub valid: Option<ValidityFacts>,
-    /// The validity of the input's triangles; only from `mend`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub valid_before: Option<ValidityFacts>,
-    /// The repairs, in the order of application; only from `mend`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub mended: Vec<RepairFacts>,
-    /// The operands; only if several shapes were combined.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub boolean: Option<BooleanFacts>,
-    /// The smoothing of a mask; only if it was smoothed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub smoothed: Option<SmoothingFacts>,
-    /// The refinement of a cage; only if its polygons are the result.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub refined: Option<RefinementFacts>,
-    /// The distance grid; only from `bake`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub baked: Option<DistanceGridFacts>,
-    /// The attribute deviation of simplified triangles; only from `mesh`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub attributes: Vec<AttributeFacts>,
-    /// The levels of detail; only from `lod`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub levels: Option<LevelsFacts>,
-    /// The shading cost on a graphics processor; only from a rendering of that cost.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub overshade: Option<OvershadeFacts>,
+    /// The facts of the verb that builds the result.
+    #[serde(flatten)]
+    pub verb: VerbFacts,
     /// The steps from the first input to this result; only for results that can be written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<HistoryFacts>,
@@ -90,20 +63,11 @@ impl Certificate {
             input: InputFacts::from_input(input),
             frame: FrameFacts::new(input.shape.frame()),
             budget: None,
-            verb: "mesh",
             origin: InputOrigin::from_input(input),
             bound: None,
             output: None,
             valid: None,
-            valid_before: None,
-            mended: Vec::new(),
-            boolean: None,
-            smoothed: None,
-            refined: None,
-            baked: None,
-            attributes: Vec::new(),
-            levels: None,
-            overshade: None,
+            verb: VerbFacts::Mesh {},
             history: None,
             notes: assumed_region(input).into_iter().chain(bent_polygons(input)).collect(),
             stayed: Vec::new(),
@@ -115,22 +79,18 @@ impl Certificate {
     #[must_use]
     pub fn was_split(&self) -> bool {
         let split = Cure::SplitNonManifold.name();
-        self.mended.iter().any(|facts| facts.cure == split && !facts.changes.is_empty())
-    }
-
-    /// The certificate for another verb than `mesh`.
-    pub(crate) fn by(self, verb: &'static str) -> Self {
-        Self { verb, ..self }
+        self.verb.repairs().iter().any(|facts| facts.cure == split && !facts.changes.is_empty())
     }
 
     /// Adds the step that built a result to the history of the input: the kind and the format of the output, and the digest
     /// of its geometry.
     pub(crate) fn conclude(&mut self, (kind, format): (&str, Format), geometry: Option<String>) {
-        let composed = self.origin.composed.as_ref().filter(|_| self.boolean.is_none());
+        let boolean = self.verb.boolean();
+        let composed = self.origin.composed.as_ref().filter(|_| boolean.is_none());
         let mut step = StepFacts {
-            verb: self.verb.to_owned(),
+            verb: self.verb.name().to_owned(),
             version: self.version.to_owned(),
-            inputs: match (&self.boolean, composed) {
+            inputs: match (boolean, composed) {
                 (Some(facts), _) => facts.operands.iter().map(|operand| operand.input.of_step()).collect(),
                 (None, Some(composed)) => composed.inputs().to_vec(),
                 (None, None) => vec![self.input.of_step()],

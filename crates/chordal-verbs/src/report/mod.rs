@@ -29,6 +29,7 @@ mod surface;
 mod surface_edges;
 mod validity;
 mod validity_counts;
+mod verb_facts;
 mod volume;
 
 pub use attributes::AttributeFacts;
@@ -66,6 +67,7 @@ pub use surface_edges::{
 pub(crate) use validity::CountedTriangles;
 pub use validity::{OtherCounts, PartValidity, ValidityFacts};
 pub use validity_counts::ValidityCounts;
+pub use verb_facts::VerbFacts;
 pub use volume::{LabelFacts, MOST_LABELS, SuggestedLevelFacts, VolumeFacts};
 
 use serde::Serialize;
@@ -82,12 +84,9 @@ pub struct Report {
     pub schema: &'static str,
     /// The reproducible part: the facts about the result.
     pub certificate: Certificate,
-    /// The description of the input; only from `inspect`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub inspection: Option<Inspection>,
-    /// The distance between two shapes; only from `deviation`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub deviation: Option<DeviationFacts>,
+    /// The result of a verb that builds nothing.
+    #[serde(flatten)]
+    pub examined: Option<ExaminationFacts>,
     /// This run.
     pub run: RunFacts,
 }
@@ -96,7 +95,25 @@ impl Report {
     /// The report of a run.
     #[must_use]
     pub fn new(certificate: Certificate, run: RunFacts) -> Self {
-        Self { schema: SCHEMA, certificate, inspection: None, deviation: None, run }
+        Self { schema: SCHEMA, certificate, examined: None, run }
+    }
+
+    /// The description of the input; only from `inspect`.
+    #[must_use]
+    pub fn inspection(&self) -> Option<&Inspection> {
+        match &self.examined {
+            Some(ExaminationFacts::Inspection(inspection)) => Some(inspection),
+            _ => None,
+        }
+    }
+
+    /// The distance between two shapes; only from `deviation`.
+    #[must_use]
+    pub fn deviation(&self) -> Option<&DeviationFacts> {
+        match &self.examined {
+            Some(ExaminationFacts::Deviation(facts)) => Some(facts),
+            _ => None,
+        }
     }
 
     /// The report as JSON, with its keys in order.
@@ -104,6 +121,16 @@ impl Report {
     pub fn to_value(&self) -> Value {
         to_value(self)
     }
+}
+
+/// The result of a verb that builds nothing, under a key of its own in the report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ExaminationFacts {
+    /// The description of an input.
+    Inspection(Box<Inspection>),
+    /// The distance between two shapes.
+    Deviation(Box<DeviationFacts>),
 }
 
 /// The facts as JSON. These structs hold numbers, texts and lists with texts as keys, all of which JSON can represent; a

@@ -6,7 +6,7 @@ use crate::output::file_rows::{order_new_mesh, unsupported};
 use crate::output::format_rounding::{self, RoundingTarget, length_for_lattice, limits_left, storage_within};
 use crate::output::notes::{deformation_notes, reduction_notes, unsettled_note};
 use crate::output::pass_through::rounded_deformation;
-use crate::report::{AttributeFacts, Certificate};
+use crate::report::{AttributeFacts, Certificate, VerbFacts};
 use crate::scene::flatten::{self, TransformedScene};
 use crate::scene::merged_parts::MergedParts;
 use crate::scene::placements;
@@ -33,7 +33,7 @@ pub(crate) fn simplify_scene(
     certificate: &mut Certificate,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let Certificate { notes, attributes, stayed, .. } = certificate;
+    let Certificate { notes, verb, stayed, .. } = certificate;
     let MeshRequest { budget, to, .. } = request;
     notes.extend(deformation_notes(&scene));
     let transformed = flatten::flatten_for(scene, *to)?;
@@ -50,6 +50,7 @@ pub(crate) fn simplify_scene(
             return Err(MeshFailure::TooWide(CoordinateOverflow { value }));
         }
     }
+    let mut attributes = Vec::new();
     let stretch = placements::part_scales(&scene);
     // 1. The budget of each part, in its own coordinates: the length that transforms and rounding leave.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
@@ -107,7 +108,7 @@ pub(crate) fn simplify_scene(
         let seen = seen.and_then(|eye| share.pixels_of(&simplified, snapped, place_error, &eye.view));
         let bound = simplified.bound.then(&step);
         if is_quantized || part.mesh.faces().len() < before.faces().len() {
-            notes.extend(measure_attributes(attributes, [&before, &part.mesh], &bound, job)?);
+            notes.extend(measure_attributes(&mut attributes, [&before, &part.mesh], &bound, job)?);
         }
         let part_error = bound.at_most().unwrap_or(f64::INFINITY);
         let most = moved.unwrap_or_else(|| placements::scaled_up(part_error, *stretch));
@@ -128,6 +129,7 @@ pub(crate) fn simplify_scene(
         }
     }
     let after: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
+    *verb = VerbFacts::Simplified { attributes };
     notes.push(format!("{before} triangles were simplified to {after}").into());
     notes.extend(reduction_notes(&stats));
     stayed.extend(held.note(&budget.attributes));
