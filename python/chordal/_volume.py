@@ -161,7 +161,7 @@ class Volume(Shape, Imaged):
         return Volume(source, self._report, options, self._runs_backwards)
 
     def __reduce__(self) -> Any:
-        content = _chordal.convert(self._source, "nrrd", (False, None), None, None).write()
+        content = _chordal.convert(self._source, "nrrd", (), None, None).write()
         return _again, (content, self._report, self._meant, self._runs_backwards)
 
     def _repr_html_(self) -> str:
