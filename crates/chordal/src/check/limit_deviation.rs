@@ -139,6 +139,11 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
             }
             QuadSubpatchKind::Extraordinary(extraordinary) => {
                 let [a, b, c, d] = worst.corners;
+                // d----cd----c
+                // |    |     |      In the order of the quarters; each begins with its lower left corner.
+                // da-middle-bc
+                // |    |     |
+                // a----ab----b
                 let middle = 0.25 * ((a + b) + (c + d));
                 let [ab, bc, cd, da] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d), 0.5 * (d + a)];
                 let quarters =

@@ -354,6 +354,7 @@ impl FieldCover {
                 part.iter().flat_map(|cell| (0..3).map(|axis| (*cell, axis))).collect();
             for (cell, points) in walls::cells_with_walls(self, regions, evaluator, &along)? {
                 let state = &mut self.cells[cell as usize].state;
+                // A cell is tried along all three axes, and the first wall decides it.
                 if *state == CellState::Open {
                     *state = CellState::Walls;
                     self.part_points.extend(points);

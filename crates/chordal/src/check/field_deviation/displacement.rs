@@ -287,6 +287,7 @@ impl NodeSamples {
         let is_across = operands.iter().any(|operand| operand.is_across);
         let mut literals = Vec::new();
         for (number, operand) in operands.into_iter().enumerate() {
+            // A literal counts at the samples where its operand is the largest.
             let own_samples =
                 (0..SAMPLES.len()).filter(|k| largest[*k] == number).fold(0, |all, k| all | 1 << k);
             let kept_literals = operand

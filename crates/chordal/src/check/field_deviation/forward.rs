@@ -75,6 +75,8 @@ impl FieldDeviationSearch<'_> {
             let mut bounds = self.bound_batch(&batch, aim(&result))?;
             pieces_left = pieces_left.saturating_sub(batch.len());
             self.job.count_work(POINTS_A_PIECE * batch.len() as u64);
+            // The loop goes on to its end, which settles all open pieces with the bounds that they
+            // have.
             if self.job.is_over() {
                 pieces_left = 0;
             }
@@ -91,6 +93,8 @@ impl FieldDeviationSearch<'_> {
             let beyond = self.goal.max.is_some_and(|max| result.least > max.get());
             let enough = aim(&result);
             let tight = if relative { enough } else { greater(1.15 * result.least, TIGHT * enough) };
+            // The first cuts of a piece tighten the result beyond the goal, as long as half of all
+            // pieces is left for those that miss it.
             let eager = |piece: &FieldSubtriangle| piece.cuts() < EAGER && pieces_left > reserve;
             let wanted = |piece: &FieldSubtriangle| if eager(piece) { tight } else { enough };
             let (next, done): (OpenSubtriangles, OpenSubtriangles) =

@@ -141,6 +141,7 @@ pub fn field_deviation(
         let search =
             FieldDeviationSearch { mesh, tape, evidence: field.evidence(), bounds, goal, job, floor };
         let enclosure = Enclosure::new(mesh, &bvh);
+        // Only a closed mesh has an inside and an outside for the two copies.
         let sandwich_result =
             if enclosure.is_closed() { from_sandwich::sandwich_deviation(&search, &bvh)? } else { None };
         if let Some(result) = &sandwich_result

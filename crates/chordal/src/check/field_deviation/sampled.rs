@@ -87,6 +87,7 @@ pub(super) fn measured(
     far.sort_unstable();
     far.dedup();
     let mut bracketed: Vec<u32> = brackets.iter().map(|bracket| bracket.face).collect();
+    // Brackets are in the order of the faces.
     bracketed.dedup();
     let samples = brackets.len() as u64;
     let least = greater(worst.at_least, 0.0);

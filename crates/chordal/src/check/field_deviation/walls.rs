@@ -81,6 +81,8 @@ fn monotone(
         prisms.iter().flat_map(|prism| list(prism).map(|p| (*p, prism.bounds))).collect();
     let slopes = evaluator.dual_ranges(&questions)?;
     let primitives = evaluator.csg().primitives();
+    // Answers come in the order of the questions, of which a prism has as many as its tree has
+    // primitives.
     let mut remaining = slopes.as_slice();
     prisms.retain_mut(|prism| {
         let local = regions.trees.get(prism.tree);

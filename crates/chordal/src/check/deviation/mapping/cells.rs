@@ -133,6 +133,7 @@ pub(super) fn surface_mapping(
     for (v, image) in images.iter().enumerate().filter(|(_, image)| image.face != NONE) {
         raise(image.face, vertex_up[v]);
     }
+    // A crossing is on an edge, and thus in both of its faces.
     for (h, up) in paths.crossed.iter().zip(&paths.up) {
         raise(h / 3, *up);
         raise(result.twin(*h) / 3, *up);
@@ -141,6 +142,7 @@ pub(super) fn surface_mapping(
         result.ring(cone.v).for_each(|h| raise(h / 3, cone.up));
     }
     let covered = covered_faces(source, result, images, &Chain { paths, forward: &forward, cones: &cones });
+    // Where the images don't cover a face, none of these displacements says anything about it.
     backward.iter_mut().zip(covered).for_each(|(up, covered)| {
         if !covered {
             *up = f64::INFINITY;

@@ -69,6 +69,7 @@ pub(super) fn edge_paths(
         let mut part = PathPart::default();
         for h in *start as u32..end as u32 {
             part.first.push(part.crossed.len() as u32);
+            // One walk for each edge, from the half-edge that stands for it.
             let has_walk = !job.is_cancelled() && source.edge(h) == h && walker.find(h, &mut part);
             part.has_walk.push(has_walk);
         }
@@ -78,6 +79,7 @@ pub(super) fn edge_paths(
     let n_crossed = parts.iter().map(|part| part.crossed.len()).sum();
     let (mut crossed, mut up) = (Vec::with_capacity(n_crossed), Vec::with_capacity(n_crossed));
     for part in parts {
+        // Each part has counted from its own beginning.
         first.extend(part.first.iter().map(|at| at + crossed.len() as u32));
         crossed.extend(part.crossed);
         up.extend(part.up);
