@@ -140,6 +140,8 @@ impl Refinement {
         let quads = QuadTopology::new(cage, &edges);
         let tags = cage.next_tags(&edges, &around, sharp);
         let mut of_edges: Vec<(u32, f64)> = Vec::new();
+        // The grids begin after the first round: their edges are halves of the cage's, each with
+        // the sharpness that is left at its end.
         for (e, halves) in quads.halves.iter().enumerate().filter(|(e, _)| sharp.edges[*e] > 0.0) {
             let half_sharpness =
                 edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, e, v as usize));

@@ -277,6 +277,8 @@ impl<'a> ControlNet<'a> {
             .fold(0.0, |largest, c| greater(largest, (*c - middle).length()));
         let reach = middle.length() + radius;
         let (wide, high) = (longest(self.by_u.as_flattened()), longest(self.by_v.as_flattened()));
+        // The range of Q·d, for Q within `radius` of `middle`, over the control points d of a
+        // second derivative.
         let bent = |net: &[DVec3]| {
             net.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lowest, highest), d| {
                 let (along, spread) = (middle.dot(*d), radius * d.length());
@@ -284,6 +286,7 @@ impl<'a> ControlNet<'a> {
                 (lesser(low, lowest), greater(highest, high))
             })
         };
+        // Roundings of both terms of H: the product of tangents, and Q times a second derivative.
         let slack =
             |size: f64, net: &[DVec3], tangent: f64| OF_SLOPE * (size + reach * (tangent + longest(net)));
         let (uu, uv, vv) = (self.uu.as_flattened(), self.uv.as_flattened(), self.vv.as_flattened());
@@ -296,6 +299,8 @@ impl<'a> ControlNet<'a> {
         }
         let (bent_low, bent_high) = bent(uv);
         let across = by_u.mean.dot(by_v.mean);
+        // With p and q off the means m and n by at most r and s, p·q is off m·n by at most |m|·s +
+        // |n|·r + r·s.
         let spread =
             by_u.mean.length() * by_v.spread + by_v.mean.length() * by_u.spread + by_u.spread * by_v.spread;
         let b = greater((across - spread + bent_low).abs(), (across + spread + bent_high).abs())

@@ -77,6 +77,7 @@ pub fn with_normals(mesh: &Mesh, topology: Topology, shading: Shading) -> Result
                 (0..mesh.faces().len()).map(|f| face_normal(mesh.corners(f)).unwrap_or_default()).collect();
             let is_soft = |f: u32, g: u32| {
                 let (p, q) = (normals[f as usize], normals[g as usize]);
+                // Sine and cosine, since the cosine alone hardly distinguishes small angles.
                 let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
                 p != [0.0; 3] && q != [0.0; 3] && angle_of(dot(p, q), dot(cross, cross).sqrt()) <= angle_rad
             };

@@ -196,6 +196,7 @@ impl<const D: usize> TangentSystem<'_, D> {
             })
             .collect();
         let (mut tangents, column) = (solved(&rows), solved(&column));
+        // With v = (1, 0 …, a/γ), the solution is x − (v·x) / (1 + v·z)·z.
         let below = 1.0 + column[0][0] + a / gamma * column[n - 1][0];
         let share: [f64; D] =
             std::array::from_fn(|k| (tangents[0][k] + a / gamma * tangents[n - 1][k]) / below);
