@@ -135,13 +135,17 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let (a, b) = if steep { (along, across) } else { (across, along) };
     let small = f32::from_bits(0x0c80_0000); // 2⁻¹⁰²
     let large = f32::from_bits(0x7d80_0000); // 2¹²⁴
+    // Powers of two don't change the quotient, and keep the products below in range.
     let scale = if b < small { f32::from_bits(0x5d80_0000) } else { 1.0 }; // 2⁶⁰
     let scale = if b > large { f32::from_bits(0x2180_0000) } else { scale }; // 2⁻⁶⁰
     let both_infinite = a == f32::INFINITY;
+    // The angle of (∞, ∞) is that of (1, 1), where ∞/∞ would be NaN.
     let (a, b) = (if both_infinite { 1.0 } else { a * scale }, if both_infinite { 1.0 } else { b * scale });
     let (mut ca, mut cb, mut base) = (0.0, 0.0, 0.0);
     // arctan of 1/4, 1/2, 3/4 and 1.
     const STEPS: [f32; 4] = [0.244_978_67, 0.463_647_6, 0.643_501_1, std::f32::consts::FRAC_PI_4];
+    // The nearest of these angles is taken off, by tan(α − β) = (tan α − tan β) / (1 + tan α·tan
+    // β): the series is left with at most 1/8.
     for (k, step) in STEPS.into_iter().enumerate() {
         let c = 0.25 * (k as f32 + 1.0);
         let past = a > (c - 0.125) * b;
@@ -159,6 +163,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let angle = if steep { std::f32::consts::FRAC_PI_2 - angle } else { angle };
     let behind = x.to_bits() >> 31 == 1;
     let angle = if behind { std::f32::consts::PI - angle } else { angle };
+    // The sign of y, which −0 has as well.
     let angle = f32::from_bits(angle.to_bits() | (y.to_bits() & (1 << 31)));
     if x.is_nan() || y.is_nan() { f32::NAN } else { angle }
 }
