@@ -51,6 +51,8 @@ impl BooleanMesh {
                     }
                 }
             }
+            // A vertex on a cut belongs to faces of both operands, so values of vertices become
+            // values of corners.
             let domain = if attribute.domain == Domain::Face { Domain::Face } else { Domain::Corner };
             let semantic = attribute.semantic.clone();
             mesh = mesh.with_attribute(Attribute { semantic, domain, width, values })?;

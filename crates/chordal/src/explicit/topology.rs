@@ -156,6 +156,8 @@ fn first_in_chunk(positions: &[[f64; 3]], start: usize, ids: &mut [u32]) -> Opti
     for (block, ids) in ids.chunks_mut(BLOCK).enumerate() {
         let from = start + BLOCK * block;
         simd::dispatch(isa, HashKernel { rows: &positions[from..from + ids.len()], hashes: &mut hashes });
+        // If most rows so far were new, looking up the others gains little here: all count as
+        // first, and the pass over parts finds equal ones among them.
         let all_new = BLOCK * block >= TRIAL && 2 * table.n_rows > TRIAL && 2 * firsts.len() > BLOCK * block;
         if !all_new {
             table.make_room(BLOCK, &mut steps_left)?;

@@ -410,6 +410,8 @@ pub(super) fn bound_by_samples(
                 outside = lesser(outside, far(points[i]));
             }
         }
+        // The surface crosses the segment between the two points, and no point of that is farther
+        // than its farther end.
         let distance = add_up(greater(inside, outside), piece.slack());
         bounds[k].at_most = lesser(bounds[k].at_most, distance);
     }

@@ -145,6 +145,7 @@ impl<'t> SurfaceSearch<'t> {
                 is_extraordinary: false,
             };
         }
+        // What holds for the whole holds for this part of it.
         let lower = greater(down, closest.down);
         if closest.up - lower <= greater(self.close_enough, ROUNDINGS * piece.error) {
             self.push(lower, SurfaceCandidate::Settled);

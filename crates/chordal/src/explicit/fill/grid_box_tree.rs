@@ -112,6 +112,7 @@ impl GridBoxTree {
                     let [l, h] = Self::halves(a);
                     open.extend([(l, l), (l, h), (h, h)]);
                 }
+                // Of two different nodes the larger is halved.
                 (false, _) if self.is_leaf(b) || a.high - a.low >= b.high - b.low => {
                     open.extend(Self::halves(a).map(|half| (half, b)));
                 }

@@ -218,6 +218,8 @@ impl BlendFactors {
                 let [v, w] = [weights(x), weights(y)];
                 ([product(&points(x), &w), product(&points(y), &v)], product(&v, &w))
             };
+            // The fractions at the ends of the piece. A product with one has a degree more than the
+            // denominator, which is the number of its coefficients.
             let [a, b] = knots.piece(index).map(|t| (t - from) / (to - from));
             let degree = (curves[0].len() - 1).max(denominator.len());
             let share = |ends: [f64; 2]| flat(&raised(&product(&denominator, &ends.map(|x| [x])), degree));

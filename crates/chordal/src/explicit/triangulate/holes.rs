@@ -335,6 +335,7 @@ pub fn polygon_with_holes<P: ContourCorner, H: AsRef<[P]>>(
     {
         return Ok(in_polygon(flat));
     }
+    // Contours that cross in both projections need new corners at their crossings.
     triangulate_snapped(&projected, &ends, scale).map(in_polygon)
 }
 

@@ -160,6 +160,7 @@ impl OneRing {
             }
         };
         let kind = match self.kind {
+            // Along a sharp edge, the next point after a round is its middle.
             VertexKind::Seam(ends) => {
                 VertexKind::Seam(ends.map(|end| [0, 1, 2].map(|k| 0.5 * self.here[k] + 0.5 * end[k])))
             }
