@@ -71,6 +71,7 @@ class Assets:
                     )
             else:
                 raise TypeError(f"material: a Material, or a dictionary as of glTF, not {type(material).__name__}")
+            # The material is kept with its number, since the id of an object that is gone may be given to another one.
             self._given[id(material)] = material, len(self.materials)
             self.materials.append(gltf)
         return self._given[id(material)][1]

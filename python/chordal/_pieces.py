@@ -228,6 +228,8 @@ class _State:
                 rows = rows.reshape(-1, 3, attribute["width"])[chosen]
             attribute["block"] = put(rows)
         if part["position_id"] is not None:
+            # An id is the row of a vertex at the same position, and rows have new numbers: the first kept one stands for all
+            # there.
             _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
             part["position_id"] = put(first[inverse.ravel()].astype(np.uint32))
         part["positions"] = put(self.numbers(part["positions"], "f8", 3)[kept])
@@ -235,5 +237,6 @@ class _State:
         part["marks"] = []
         for number, node_facts in enumerate(facts["nodes"]):
             node_facts["part"] = 0 if number == node else None
+        # These were about the whole scene and its file.
         facts |= {"parts": [part], "certificate": None, "composed": None, "sha256": None, "n_bytes": None}
         return registered.mesh._of_source(_chordal.scene_of_state(json.dumps(facts), blocks, None))

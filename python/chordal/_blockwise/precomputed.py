@@ -106,6 +106,7 @@ def _fragments(
         room = 0.0 if tolerance is None else tolerance - part.at_most - 2 * rounding
         if room > 0.0:
             part = part.simplified(room)
+        # A rounded sum may be too small for a bound, its next number is not.
         labels.append((label, math.nextafter(part.at_most + rounding, math.inf)))
         fragments.append(part.fragment(scale))
     return packed({"labels": labels}, fragments)

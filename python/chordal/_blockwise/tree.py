@@ -198,6 +198,7 @@ class BlockTree:
                 leaves.append(cube)
             else:
                 n_open_children[cube] = 0
+                # Reversed, since a stack gives back the last one first.
                 stack.extend(reversed(self._below(cube, array)))
         return leaves, n_open_children
 
