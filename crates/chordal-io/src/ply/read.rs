@@ -69,6 +69,7 @@ pub(super) fn read_in_parts(
         });
     }
     let place = |row| FileLocation::Row { list: "face", row };
+    // Only now, since the element of faces may come before that of vertices.
     let faces = faces.faces.cut(&vertices.positions, place, &mut warnings);
     let PlyVertices { positions, position_id, attributes } = vertices;
     let mesh = assemble::mesh(RawMesh { positions, position_id, faces, attributes }, limits, &mut warnings)?;

@@ -407,6 +407,8 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         }
         for (i, number) in numbers.into_iter().enumerate() {
             self.n_instances += 1;
+            // Prototypes with instancers of their own multiply nodes beyond the number of
+            // instances.
             if self.n_instances > MOST_INSTANCES || self.scene.nodes.len() > 10 * MOST_INSTANCES {
                 let limit = grouped(MOST_INSTANCES as u64);
                 let message = format!("{}: instances are over the limit of {limit}", prim.path);
@@ -429,6 +431,8 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             let world = product(&context.world, &matrix);
             push(&mut self.worlds, world)?;
             let below = WalkContext { world, nesting: context.nesting + 1, ..context.clone() };
+            // If the prototype is missing or shows nothing, the node stays empty and is removed
+            // below.
             if let Some(prototype) = &prototypes[number as usize]
                 && let Some(shown) = self.walk(prototype, &below)?
             {

@@ -209,6 +209,7 @@ impl UsdCageBuilder {
             }
         }
         let groups = face_groups(stage, request, topology.counts.len())?;
+        // The points of this mesh are already in the list, as the last ones.
         let (first, first_row) =
             ((self.positions.len() - topology.points.len()) as u32, self.texcoords.len() as u32);
         if let Some(texcoords) = &texcoords {
@@ -246,6 +247,7 @@ impl UsdCageBuilder {
                     self.groups.insert(kind.clone(), Vec::new());
                 }
                 let Some(values) = self.groups.get_mut(kind) else { continue };
+                // Faces of earlier meshes without groups of this kind belong to none.
                 let n_more = (self.ends.len() - 1).saturating_sub(values.len());
                 push_many(values, 0.0, n_more)?;
                 push(values, f64::from(numbers[face_idx]))?;

@@ -72,6 +72,7 @@ impl CrateReader<'_> {
                 PRIM | VARIANT => self.prims.len() as u32,
                 _ => continue,
             };
+            // Only damaged files have two specs of one path, or a path that is its own parent.
             if self.of_path[spec.path as usize] != NO_PRIM || (number > 0 && path.parent == spec.path) {
                 continue;
             }

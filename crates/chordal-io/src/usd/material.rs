@@ -72,6 +72,7 @@ impl UsdMaterials {
         }
         let number = match stage.prim_at(&key.path)? {
             Some(prim) if stage.type_name(&prim) == "Material" => {
+                // A material is known by its sources: several paths may lead to one.
                 let sources = prim.sources.iter().map(|source| StageSource { map: 0, ..*source }).collect();
                 let sources = UsdMaterialSources { sources, is_double_sided: key.is_double_sided };
                 if let Some(known) = self.of_sources.get(&sources) {

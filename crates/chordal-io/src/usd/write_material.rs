@@ -223,6 +223,7 @@ impl<'a> UsdMaterialWriter<'a> {
         writer.line("uniform token info:id = \"UsdUVTexture\"")?;
         match image.map(|image| &image.content) {
             Some(ImageContent::Uri(uri)) => {
+                // An @ in the name would end the path.
                 writer.line(&format!("asset inputs:file = @./{}@", uri.replace('@', "%40")))?
             }
             _ => self.lose(true, "pictures, unless they are written beside it"),
@@ -240,6 +241,7 @@ impl<'a> UsdMaterialWriter<'a> {
         if *scale != [1.0; 4] {
             writer.line(&format!("float4 inputs:scale = {}", tuple(scale)))?;
         }
+        // Channels from 0 to 1 stand for numbers from −1 to 1.
         if *name == "Normal" {
             writer.line("float4 inputs:bias = (-1, -1, -1, 0)")?;
         }
