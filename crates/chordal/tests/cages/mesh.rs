@@ -305,6 +305,8 @@ fn a_mesher_that_is_kept_makes_the_meshes_that_a_new_one_makes() {
 #[test]
 fn meshes_that_keep_tiles_are_closed_and_within_their_bound_at_every_view() {
     let names = ["catmark_cube_creases1", "catmark_gregory_test3", "bilinear_nonquads1", "catmark_rook"];
+    // The last one has 777 faces, the others at most 11.
+    let names = if is_long() { &names[..] } else { &names[..3] };
     for (name, cage) in cages().into_iter().filter(|(name, _)| names.contains(&name.as_str())) {
         // Fine enough that the creases have ended.
         let referee = Referee::new(&cage, if cage.n_faces() > 100 { 2 } else { 5 });

@@ -76,7 +76,7 @@ fn steps_and_kinks_are_no_trap() {
         ("an infinite constant", ball(0.5).min(&Expr::constant(f64::INFINITY))),
     ];
     for (what, expr) in cases {
-        let limit = if is_long() { 10_000 } else { 3_000 };
+        let limit = if is_long() { 10_000 } else { 1_000 };
         match meshed_until(limit, expr, &Budget { triangles: Some(50_000), ..budget(0.05) }) {
             Ok(made) => assert!(made.bound.at_most().is_some_and(|most| most <= 0.05), "{what}"),
             Err(Failure::Unmet(best)) => println!("{what}: unmet, {:?}", best.bound.at_most()),
