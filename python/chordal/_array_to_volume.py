@@ -70,6 +70,7 @@ def volume(
     if kind not in _TYPES:
         raise TypeError(f"array: samples are numbers of up to 64 bits, not {samples.dtype}")
     steps = steps_of(spacing, origin, affine)
+    # `repr` writes the shortest digits that read back as the same number, so that the text of the header rounds nothing.
     vectors = [",".join(repr(float(number)) for number in row) for row in steps]
     header = "\n".join(
         [

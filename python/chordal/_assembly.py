@@ -143,6 +143,7 @@ class _Assembly:
         is_group = isinstance(placed.what, (Mapping, list, tuple, Placed))
         nodes = []
         for matrix in _matrices(placed.at):
+            # Each place has nodes of its own; `_shown` adds the parts below them only once.
             children = self.nodes_of(placed.what, "" if is_group else name, material)
             # A node that already has a matrix gets a parent with the new one.
             # What is no group has a single node.

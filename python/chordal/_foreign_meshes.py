@@ -145,6 +145,7 @@ def _of_manifold(thing: Any) -> dict[str, Any]:
 
 
 def _is_meshio(thing: Any) -> bool:
+    # The other two are set by its constructor, so that its class does not have them.
     return _has(thing, "cells_dict") and hasattr(thing, "points") and hasattr(thing, "point_data")
 
 

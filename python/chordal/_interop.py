@@ -78,6 +78,7 @@ class Interoperable:
             vertex_normals=None if normals is None else np.array(normals),
             vertex_colors=None if colors is None or visual is not None else np.rint(np.array(colors) * 255).astype(np.uint8),
             visual=visual,
+            # Processing would merge vertices.
             process=False,
             metadata={"chordal": self._about()},
         )

@@ -95,6 +95,8 @@ def _moved_by(bound: Bound, distance: float) -> Bound:
     """The bound of a shape after its points moved by no more than a distance."""
     if distance == 0 or bound.at_most is None:
         return bound
+    # The move may have brought the surfaces together, so no distance is certain. The next larger number, because the sum is
+    # rounded to nearest.
     return replace(bound, at_least=0.0, at_most=math.nextafter(bound.at_most + distance, math.inf))
 
 
@@ -110,9 +112,11 @@ def _largest(bounds: list[Bound]) -> Bound | None:
     tops = [bound.at_most for bound in bounds if bound.at_most is not None]
     references = list(dict.fromkeys(bound.reference for bound in bounds))
     samples = [bound.samples for bound in bounds if bound.samples is not None]
+    # Evidence is as good as that of the weakest bound, and `kinds` goes from strong to weak.
     evidence = max((bound.evidence for bound in bounds), key=kinds.index)
     return Bound(
         at_least=0.0,
+        # One mesh without an upper end leaves the whole without.
         at_most=max(tops) if len(tops) == len(bounds) else None,
         evidence=evidence,
         metric=metric,
@@ -144,6 +148,7 @@ class _State:
             node = stack.pop()
             if self.nodes[node]["part"] is not None:
                 shown.append(node)
+            # The stack gives back the last one first.
             stack += reversed(self.nodes[node]["children"])
         return shown
 
@@ -193,10 +198,12 @@ class _State:
             if np.array_equal(representatives, np.broadcast_to(least[:, None], representatives.shape)):
                 break
             for corner in range(3):
+                # Not `lowest[…] = least`: if a vertex occurs in several rows, that would keep only the last one.
                 np.minimum.at(lowest, representatives[:, corner], least)
             while not np.array_equal(lowest, lowest[lowest]):
                 lowest = lowest[lowest]
         _, first, numbers = np.unique(least, return_index=True, return_inverse=True)
+        # Stable, so that the faces of a piece stay in order and its first is its lowest.
         order = np.argsort(numbers.ravel(), kind="stable")
         if len(first) == 0:
             return []

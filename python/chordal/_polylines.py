@@ -129,6 +129,7 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
             rows = slice(starts[i], starts[i + 1])
             return Polyline(points[rows], places[rows], bool(closed[i]), int(sources[i]))
 
+        # A range resolves negative indices and slices, and raises `IndexError`, as a list does.
         chosen = range(len(self))[index]
         return polyline(chosen) if isinstance(chosen, int) else [polyline(i) for i in chosen]
 

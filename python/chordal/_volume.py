@@ -86,6 +86,8 @@ class Volume(Shape, Imaged):
 
         rows = _chordal.samples(self._source)[1]
         matrix = np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
+        # The source counts the fastest index first; `array` of an .npy in C order has the first and last index the other way
+        # round.
         return matrix[:, [2, 1, 0, 3]] if self._runs_backwards else matrix
 
     @property
@@ -107,6 +109,7 @@ class Volume(Shape, Imaged):
         """The lowest and the highest corner of the bounding box of all samples, 2 × 3."""
         import numpy as np
 
+        # An affine map takes the lattice to a parallelepiped, whose extremes along each axis are at its corners.
         corners = np.array(np.meshgrid(*[(0, size - 1) for size in self.shape])).reshape(3, -1)
         places = self.affine[:3, :3] @ corners + self.affine[:3, 3:]
         return np.array([places.min(axis=1), places.max(axis=1)])

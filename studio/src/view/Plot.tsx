@@ -32,6 +32,7 @@ class Scales {
     return MARGIN.left + (Math.log2(n) / Math.log2(MOST_SEGMENTS)) * (this.right - MARGIN.left);
   }
   y(pixels: number): number {
+    // The axis has five decades and begins at 10^−2. A gap of 0 has no logarithm.
     const share = (Math.log10(Math.max(pixels, 1e-9)) + 2) / 5;
     return this.bottom - share * (this.bottom - MARGIN.top);
   }

@@ -32,6 +32,7 @@ export function control(element: HTMLElement, camera: Camera): () => void {
     if (event.pointerType === "mouse" && event.button > 2) return;
     element.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    // Not for a second finger, or the last one to be lifted after a zoom would tap.
     if (fingers.size === 1) travelled = 0;
   };
   const move = (event: PointerEvent) => {

@@ -13,6 +13,7 @@ export function edgesOf(positions: Float32Array, indices: Uint32Array): Edge[] {
   const first = new Map<string, number>();
   const places = new Uint32Array(positions.length / 3);
   for (let i = 0; i < places.length; i++) {
+    // As text, in which 0 and −0 are the same.
     const key = `${positions[3 * i]},${positions[3 * i + 1]},${positions[3 * i + 2]}`;
     const place = first.get(key) ?? i;
     if (place === i) first.set(key, i);
@@ -23,6 +24,7 @@ export function edgesOf(positions: Float32Array, indices: Uint32Array): Edge[] {
     const next = corner % 3 === 2 ? corner - 2 : corner + 1;
     const [a, b] = [places[indices[corner]!]!, places[indices[next]!]!];
     if (a === b) continue;
+    // One number for both ends. It is exact below 2^53, so for up to 94 million vertices.
     const key = Math.min(a, b) * places.length + Math.max(a, b);
     const edge = edges.get(key);
     const face = Math.floor(corner / 3);

@@ -22,6 +22,7 @@ export function still({ layers }: Picture, view: View, size: Size): Shape[] {
   const at = projector(view, size);
   const light = lightOf(view);
   const shapes = layers.flatMap((layer) => shapesOf(layer, at, light));
+  // Sorting is stable: of equal depth, a later layer is drawn over an earlier one.
   return shapes.sort((a, b) => b.depth - a.depth);
 }
 
@@ -75,6 +76,7 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3): Shape[] {
     const color = colors ? mean(colors, indices, face) : paint.startsWith("#") ? hex(paint) : undefined;
     const normals = layer.shading === "smooth" ? layer.normals : undefined;
     const towards = normals ? unit(mean(normals, indices, face)) : normal;
+    // A back is lit like the front of the triangle with the opposite winding.
     const cosine = (isFront ? 1 : -1) * dot(towards, light);
     const fill = !color ? painted(paint) : css(layer.shading === "none" ? color : lit(color, cosine));
     const d = `M${places.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}z`;

@@ -372,6 +372,7 @@ export class Controller {
       // Lets the caller set `drafting` first: it must not still be null when the loop ends synchronously.
       await null;
       while (this.isDraftDue && isScript(this.state.bench)) {
+        // Before the run, so that a change during it makes another draft due.
         this.isDraftDue = false;
         const { bench: current } = this.state;
         const words = keepingBest(["mesh", ...reading(current), "--tol", DRAFT, "--require", "estimated", "-o", "draft.glb"]);
@@ -428,6 +429,7 @@ export class Controller {
     const up = this.upOf(input, certificate.frame.up);
     const read = await readOrUndefined(() => withPictures(partsOf(bytes, certificate.frame)));
     const parts = (read ?? []).map((part) => partToZUp(part, up));
+    // Decoding the pictures takes time as well, in which the input may have changed.
     if (!this.isWanted(lane, input)) return null;
     if (lane === "proof") this.provedOf = input;
     const seconds = (performance.now() - begun) / 1000;
@@ -503,6 +505,8 @@ export class Controller {
   private async draw(): Promise<void> {
     const { bench: current, beside, view, size, shown } = this.state;
     const kind = besideOf(current, beside);
+    // Only a traced picture is of the input itself. The others are of triangles, and those of a
+    // draft are soon replaced by the proof's.
     if (kind === "sliced" || !shown || (kind !== "traced" && shown.isDraft)) return;
     // Overshading is counted per pixel of this screen, so its picture must not be smaller.
     const ratio = kind === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));

@@ -46,12 +46,14 @@ export class Jobs<Name extends string> {
   async run(name: Name, words: readonly string[], files: Files, progressed: (progress: Progress) => void = () => undefined): Promise<Outcome> {
     const id = this.nextId++;
     this.stop(name, "newer");
+    // `stop` has ended a busy worker; an idle one is used again.
     const lane = this.lanes.get(name) ?? this.start(name);
     const outcome = new Promise<Outcome>((resolve, reject) => {
       lane.running = { id, resolve, reject, progressed };
     });
     // The caller handles the rejection; this only prevents an unhandled one while the module loads.
     outcome.catch(() => undefined);
+    // If the module cannot be loaded, only this lane is freed: a newer run has a lane of its own.
     const module = await this.module().catch((error: unknown) => {
       lane.running = null;
       throw new Stopped("unloaded", String(error));

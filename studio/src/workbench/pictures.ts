@@ -37,6 +37,8 @@ interface Subject {
 
 /** The command line that renders a picture, and its input files. */
 export function pictureLine(kind: PictureKind, { bench, parts, up, atMost }: Subject, view: View, size: Size): { line: Line; files: Bench["files"] } {
+  // Only for distances are the triangles turned back into the axes of the file that they are
+  // compared with. Those for overshading keep z up.
   const camera = cameraText(view, size, kind === "distance" ? up : null);
   const viewAndOutput = ["--view", camera, "-o", "picture.png"];
   const shown = "the-triangles-that-are-shown.ply";

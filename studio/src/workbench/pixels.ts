@@ -41,6 +41,8 @@ function corners({ width, height, fovDeg }: Screen): { scale: number; secant: nu
 /** The largest movement on the screen of a point that is off by `error`; infinite if the eye is that near. */
 export function pixelsOf(error: number, screen: Screen): number {
   const { scale, secant } = corners(screen);
+  // A point at this distance has the least depth if it is seen in a corner, and the error may bring
+  // it nearer still.
   const clearance = screen.distance / secant - error;
   return error === 0 ? 0 : clearance > 0 ? (scale * error) / clearance : Infinity;
 }

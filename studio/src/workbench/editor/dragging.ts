@@ -47,6 +47,7 @@ function put(view: EditorView, edit: LiveEdit, place: NumberPlace, literal: stri
   const insert = fitting(scan(view.state).text, place, literal);
   const to = place.from + insert.length;
   edit.change({ ...place, insert }, EditorSelection.single(to));
+  // `fitting` may put a space in front, which is no part of the number.
   return { from: to - literal.length, to };
 }
 

@@ -56,6 +56,7 @@ export class LiveEdit {
   end(isKept: boolean): void {
     if (!this.isChanged) return;
     const isUnchanged = this.view.state.doc.toString() === this.before;
+    // `undo` takes the last step back, which is this edit only if nothing was changed after it.
     if ((!isKept || isUnchanged) && this.view.state.field(lastEdit).edit === this.edit) undo(this.view);
   }
 }
@@ -66,6 +67,8 @@ export function difference(before: string, after: string): { from: number; to: n
   let from = 0;
   while (from < before.length && before[from] === after[from]) from += 1;
   let tail = 0;
+  // The equal ends must not overlap the equal starts: of "aa" and "aaa", each would be the whole of
+  // the shorter text.
   while (tail < Math.min(before.length, after.length) - from && before.at(-1 - tail) === after.at(-1 - tail)) tail += 1;
   return { from, to: before.length - tail, insert: after.slice(from, after.length - tail) };
 }

@@ -31,6 +31,8 @@ export function numbersOf(text: string, allTokens: readonly Token[] = tokens(tex
   return significant.flatMap((token, k): NumberPlace[] => {
     if (token.kind !== "number") return [];
     const minus = significant[k - 1];
+    // A minus apart from its number, as in `- 5`, is left to the script: only one that touches it
+    // is written as a sign.
     const isMinus = minus?.kind === "sign" && text[minus.from] === "-" && minus.to === token.from;
     return [{ from: isMinus && isSign(text, significant[k - 2]) ? minus.from : token.from, to: token.to }];
   });
@@ -65,6 +67,7 @@ function read(literal: string): Written {
 }
 
 function write({ digits, decimals, endsInPoint, startsWithPoint, exponent }: Written): string {
+  // At least one digit stays before the point, as in 0.05.
   const size = String(digits < 0n ? -digits : digits).padStart(decimals + 1, "0");
   const whole = size.slice(0, size.length - decimals);
   const fraction = size.slice(size.length - decimals);
