@@ -71,6 +71,7 @@ class Cubes:
 
     def counts(self, level: int) -> Index:
         """The number of cubes of a level along each axis."""
+        # Rounded up, of n − 1 cells between n samples.
         sizes = zip(self.shape, self.sides, strict=True)
         i, j, k = (-(-(n - 1) // (side << level)) for n, side in sizes)
         return i, j, k
@@ -102,6 +103,7 @@ class Cubes:
         """The samples of a cube, within the lattice."""
         low = self.low(cube)
         sizes = zip(low, self.sides_of(cube), self.shape, strict=True)
+        # Inclusive: the last layer of samples is also the first of the next block.
         i, j, k = (min(at + side, n - 1) for at, side, n in sizes)
         return Block(low, (i, j, k))
 

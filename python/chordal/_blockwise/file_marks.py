@@ -33,6 +33,7 @@ def _digest_of_pieces(path: str, size: int) -> str:
     digest = hashlib.sha256()
     last = max(size - _PIECE_BYTES, 0)
     with open(path, "rb") as file:
+        # The pieces of a small file overlap, and those that begin at the same byte are read once.
         for start in sorted({last * k // (_PIECES - 1) for k in range(_PIECES)}):
             file.seek(start)
             digest.update(file.read(_PIECE_BYTES))

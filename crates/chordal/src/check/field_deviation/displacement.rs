@@ -357,6 +357,7 @@ impl FaceDistances<'_> {
                     literal(p, matches!(node, CsgNode::Complement(_)) != inward)
                 }
                 CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    // Nodes are in postfix order: the operands are the last results.
                     let operands = stack.split_off(stack.len() - n as usize);
                     let needs_all = matches!(node, CsgNode::Union(_)) != inward;
                     if needs_all {

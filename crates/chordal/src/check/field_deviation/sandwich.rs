@@ -519,6 +519,7 @@ impl SandwichBuilder<'_> {
         }
         todo.sort_unstable();
         todo.dedup();
+        // Without duplicates, so that a vertex of several open faces grows only once.
         todo.iter().for_each(|v| copy.margins[*v as usize].allowance *= GROWTH);
         todo
     }

@@ -38,6 +38,16 @@ pub(super) fn ring(mesh: &Mesh, ids: &[u32], corners: &[FaceCorner]) -> Option<V
         return None;
     }
     let mut order = vec![corners[0]];
+    // From each face to the one that begins at the neighbour where it ends:
+    //
+    //          end of f = begin of g
+    //                   |
+    //              g    |    f
+    //                   |
+    //     end of g ──── v ──── begin of f
+    //
+    // Two faces that begin there are a branch. If two end at the same neighbour, the walk may
+    // circle without the first face, so its length is limited.
     while order.len() <= corners.len() {
         let end = id(order[order.len() - 1], 2);
         let mut next = corners.iter().filter(|corner| id(**corner, 1) == end);

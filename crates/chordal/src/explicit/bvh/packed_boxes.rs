@@ -66,6 +66,7 @@ impl PackedBoxes {
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
+        // Each task has whole groups, so that all together make the groups that one would make.
         let runs: Vec<&[u32]> = faces.chunks(WIDTH * TASK).collect();
         let groups = par_map(job, &runs, |_, run| -> Vec<BoxGroup> {
             let local = |face: &u32| wide_box(&frame, mesh.corners(*face as usize));

@@ -126,6 +126,7 @@ impl<'a> GridSharpness<'a> {
                 remaining.insert(*edge, halves);
             }
         }
+        // Only now: all rules of a round take the sharpness before it.
         self.edges = remaining;
         self.vertices.values_mut().for_each(|sharp| *sharp = decrement_sharpness(*sharp));
         self.vertices.retain(|_, sharp| *sharp > 0.0);

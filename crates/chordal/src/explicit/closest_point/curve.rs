@@ -70,6 +70,7 @@ impl<const D: usize> Curve<D> {
             }
         }
         if pieces.is_empty() {
+            // A path of one point has no pieces; a line of length 0 stands for it.
             let start = self.start();
             pieces.extend(EnclosedPiece::of_segment(&CurveSegment::Line([start; 2]), p));
         }

@@ -195,6 +195,8 @@ impl<const D: usize> NurbsCurve<D> {
         sorted.iter().for_each(|t| rows.insert(*t));
         let n_points = rows.points.len();
         rows.curve(|i| match unchanged {
+            // Points that no new knot affects are taken as they are: in the rows they are times
+            // their weights, and dividing rounds.
             [before, _] if i < before => Some(self.control()[i]),
             [_, after] if n_points - i <= after => Some(self.control()[n - (n_points - i)]),
             _ => None,

@@ -112,6 +112,7 @@ pub fn interpolating<const D: usize>(
     };
     let piece = |i: usize| {
         let j = (i + 1) % n;
+        // Tangents are per unit of the knots, those of a piece per unit of its own parameter.
         let along = |m: [f64; D]| m.map(|x| x * widths[i]);
         CurveSegment::Cubic(from_ends([points[i], points[j]], [along(tangents[i]), along(tangents[j])]))
     };

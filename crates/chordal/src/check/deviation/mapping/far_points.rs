@@ -44,6 +44,7 @@ impl FarPoints {
     ) -> FarthestSample {
         let mut far = start;
         for point in &self.0 {
+            // The points are sorted by their upper bounds, so those after this one are no farther.
             if point.up <= far.at_least || enough(far.at_least) {
                 break;
             }
