@@ -184,6 +184,7 @@ impl ColladaPrimitive<'_> {
                     }
                 }
                 PrimitiveKind::Polygons => {
+                    // Each list is one polygon here, and one strip or fan below.
                     while reader.corner(geometry, &mut list, &mut corners, scope)? {}
                     emit(geometry, &corners, &mut cutter, *at, scope)?;
                 }

@@ -124,6 +124,8 @@ const HOLES: usize = 16;
 
 fn tags(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {
     let cage = &polygons.cage;
+    // After a tag's name are the numbers of its integers, reals and words, and then these. Vertices
+    // and faces count from 0, unlike in faces.
     let boundary = BOUNDARIES.iter().find(|(rule, _)| *rule == cage.boundary());
     if let Some((_, number)) = boundary {
         writeln!(writer.out, "t interpolateboundary 1/0/0 {number}")?;

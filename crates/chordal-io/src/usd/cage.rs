@@ -53,6 +53,8 @@ pub(super) fn rules(stage: &UsdStage<'_, '_>, prim: &StagePrim) -> Result<UsdCag
         let what = "rules of subdivision that are not known were ignored";
         stage.note("rules-skipped", what, &format!("{word} of {}.{name}", prim.path));
     };
+    // Where nothing is said, the fallbacks of UsdGeomMesh hold: catmullClark, edgeAndCorner and
+    // cornersPlus1.
     let name = "subdivisionScheme";
     let scheme = match stage.word(prim, name)?.as_deref() {
         Some("none") => None,

@@ -171,6 +171,7 @@ impl CrateReader<'_> {
         let name = values.tables.token(field.token).unwrap_or_default();
         match name {
             "specifier" => {
+                // In the order of `SdfSpecifier`: def, over, class.
                 self.prims[number as usize].specifier = match value as u8 {
                     0 => UsdSpecifier::Def,
                     2 => UsdSpecifier::Class,

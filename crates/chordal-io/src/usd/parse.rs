@@ -181,6 +181,7 @@ impl UsdaParser<'_> {
     }
 
     fn prim_entry(&mut self, prim: u32) -> Result<(), ReadError> {
+        // A string without a key is a comment.
         if matches!(self.scanner.peek()?, b'"' | b'\'') {
             self.scanner.string()?;
             return Ok(());

@@ -30,6 +30,7 @@ pub fn write_polygons(
     let certificate = certificate.map(crate::certificate::text).transpose()?;
     let (n_points, n_polys) = (cage.positions().len() as u64, cage.n_faces() as u64);
     let n_corners: u64 = cage.faces().map(|face| face.len() as u64).sum();
+    // One type for both lists: indices are below the number of points, ends reach that of corners.
     let index = index_type(if n_points > n_corners { n_points } else { n_corners });
     let index_bytes = if index == "Int32" { 4 } else { 8 };
     let array = |section, name: &str, kind, n_bytes| VtpArray {
@@ -47,6 +48,7 @@ pub fn write_polygons(
     let layout = VtpLayout { n_points, n_polys, arrays, active: String::new(), certificate };
     let mut out = BufWriter::new(out);
     layout.write_head(&mut out)?;
+    // Each appended array begins with its length in bytes.
     out.write_all(&layout.arrays[0].n_bytes.to_le_bytes())?;
     for x in cage.positions().as_flattened() {
         out.write_all(&x.to_le_bytes())?;

@@ -433,6 +433,8 @@ fn formats(family: &str, allowed: AttributeOwner, quantized: bool) -> Option<Vec
     let normalized = |kind, components: &[ComponentType], out: &mut Vec<AccessorFormat>| {
         out.extend(components.iter().map(|component| AccessorFormat::normalized(kind, *component)));
     };
+    // Targets hold differences, so more signed types are allowed there and fewer unsigned ones. They
+    // have no fourth number of a tangent, its handedness, which does not change.
     let base = allowed == AttributeOwner::Base;
     let mut out = Vec::new();
     match family {
