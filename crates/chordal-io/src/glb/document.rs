@@ -246,6 +246,8 @@ impl<'a> GltfDocument<'a> {
         mesh: &'a Mesh,
         says: impl Fn(&Attribute) -> bool,
     ) -> Result<Value, WriteError> {
+        // The format asks for the bounds of the stored numbers, which rounding may put beyond the
+        // mesh's own.
         let bounds = stored_bounds(mesh, &shape.positions);
         if let Some(value) = bounds.as_flattened().iter().find(|x| !x.is_finite()) {
             return Err(CoordinateOverflow { value: *value }.into());

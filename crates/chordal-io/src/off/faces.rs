@@ -62,6 +62,7 @@ impl<'a> OffFaceReader<'a> {
             let message = "faces whose corners stand on several lines were put together";
             warnings.count("faces-over-lines", || (rows.place(), message.to_owned()));
         }
+        // Read for faces that are dropped below as well: the next face begins after it.
         let color = match rows.n_face_channels()? {
             0 => None,
             1 => {

@@ -144,6 +144,7 @@ impl UsdaScanner<'_> {
                         return Err(self.expected("a value or the other bracket"));
                     }
                 }
+                // Texts, assets and paths may have brackets in them, which close nothing here.
                 b'"' | b'\'' => {
                     self.string()?;
                     continue;

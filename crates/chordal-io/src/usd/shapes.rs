@@ -216,6 +216,7 @@ fn nurbs_curves(
         return Err(ReadError::new("count-mismatch", stage.place(prim), message));
     }
     let ranges = stage.numbers(prim, "ranges")?;
+    // One list has the knots of all curves; each takes its part from the front.
     let mut knots = &knots[..];
     let mut paths = Vec::new();
     let both = split(points, counts).into_iter().zip(split(&weights, counts));

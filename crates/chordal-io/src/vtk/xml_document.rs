@@ -303,6 +303,7 @@ impl<'a> DocumentReader<'a> {
             "BigEndian" => encoding.endian = Endian::Big,
             other => return Err(self.unknown("byte_order", other, "LittleEndian and BigEndian")),
         }
+        // Older files do not name it.
         match self.elements.get("header_type").unwrap_or("UInt32") {
             "UInt32" => {}
             "UInt64" => encoding.header = SampleType::U64,

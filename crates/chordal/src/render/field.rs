@@ -123,6 +123,7 @@ pub fn render_field(
     if options.show == RenderStyle::Overshade {
         return Err(refusal("a field has no triangles to shade: mesh it first".to_owned()));
     }
+    // A field that does not depend on z is a drawing in the plane.
     if !Tape::new(field.sign()).axes()[2] {
         return draw(field, options, job);
     }

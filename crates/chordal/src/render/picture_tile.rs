@@ -179,6 +179,7 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
     fn color(&self, shadows: &mut dyn OcclusionTest, shown: &PictureRay) -> PremultipliedColor {
         let background = |share: f64| {
             if self.options.background == Background::Shadow {
+                // To be put over another picture: black, and as opaque as the shadow is dark.
                 return PremultipliedColor { alpha: 1.0 - share, ..PremultipliedColor::NOTHING };
             }
             let normals = self.options.show == RenderStyle::Normals;
@@ -300,6 +301,7 @@ fn changes(colors: &[PremultipliedColor], size: [u32; 2], p: usize) -> bool {
     beside.into_iter().flatten().any(|q| {
         let (a, b) = (&colors[p], &colors[q]);
         let channels = |c: &PremultipliedColor| {
+            // Channels above 1 are stored as 1, so that differences among them are not seen.
             let clamped = c.color.clamp(DVec3::ZERO, DVec3::ONE);
             [clamped.x, clamped.y, clamped.z, c.alpha]
         };
