@@ -2,7 +2,8 @@
 use crate::text::{number, show};
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::Message;
-use std::collections::HashSet;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// The deepest nesting, whatever the limits allow. Chosen: each level takes some of the call stack.
 const DEEPEST: usize = 512;
@@ -19,18 +20,18 @@ pub(crate) enum JsonKind {
 }
 
 #[derive(Debug)]
-enum JsonPathStep {
-    Key(String),
+enum JsonPathStep<'a> {
+    Key(Cow<'a, str>),
     Index(u64),
 }
 
 /// A position in a JSON text.
 #[derive(Debug)]
 pub(crate) struct JsonReader<'a> {
-    bytes: &'a [u8],
+    text: &'a str,
     at: usize,
     deepest: usize,
-    path: Vec<JsonPathStep>,
+    path: Vec<JsonPathStep<'a>>,
 }
 
 type JsonResult<T> = Result<T, ReadError>;
@@ -38,11 +39,20 @@ type JsonResult<T> = Result<T, ReadError>;
 impl<'a> JsonReader<'a> {
     /// Starts at the beginning of a text.
     pub(crate) fn new(bytes: &'a [u8], limits: &Limits) -> JsonResult<Self> {
-        if let Err(error) = std::str::from_utf8(bytes) {
+        let text = std::str::from_utf8(bytes).map_err(|error| {
             let place = FileLocation::Byte(error.valid_up_to() as u64);
-            return Err(ReadError::new("not-utf8", place, "the text is not UTF-8"));
-        }
-        Ok(Self { bytes, at: 0, deepest: limits.depth.min(DEEPEST), path: Vec::new() })
+            ReadError::new("not-utf8", place, "the text is not UTF-8")
+        })?;
+        Ok(Self { text, at: 0, deepest: limits.depth.min(DEEPEST), path: Vec::new() })
+    }
+
+    fn bytes(&self) -> &'a [u8] {
+        self.text.as_bytes()
+    }
+
+    /// The byte up to which the text was read; after an error, the byte of the error.
+    pub(crate) fn at(&self) -> usize {
+        self.at
     }
 
     /// The current location as a pointer; the file itself at the root.
@@ -50,7 +60,7 @@ impl<'a> JsonReader<'a> {
         if self.path.is_empty() {
             return FileLocation::File;
         }
-        let step = |step: &JsonPathStep| match step {
+        let step = |step: &JsonPathStep<'_>| match step {
             JsonPathStep::Key(key) => format!("/{}", key.replace('~', "~0").replace('/', "~1")),
             JsonPathStep::Index(index) => format!("/{index}"),
         };
@@ -63,7 +73,7 @@ impl<'a> JsonReader<'a> {
     }
 
     fn syntax(&self, expected: &str) -> ReadError {
-        let rest = &self.bytes[self.at..];
+        let rest = &self.bytes()[self.at..];
         let actual = match rest.first() {
             None => "the end of the file".to_owned(),
             Some(_) => show(&rest[..rest.len().min(12)]),
@@ -76,14 +86,14 @@ impl<'a> JsonReader<'a> {
     }
 
     fn skip_space(&mut self) {
-        let rest = &self.bytes[self.at..];
+        let rest = &self.bytes()[self.at..];
         let space = |b: &u8| matches!(b, b' ' | b'\t' | b'\n' | b'\r');
         self.at += rest.iter().position(|b| !space(b)).unwrap_or(rest.len());
     }
 
     fn take(&mut self, byte: u8) -> bool {
         self.skip_space();
-        let is_next = self.bytes.get(self.at) == Some(&byte);
+        let is_next = self.bytes().get(self.at) == Some(&byte);
         self.at += usize::from(is_next);
         is_next
     }
@@ -91,7 +101,7 @@ impl<'a> JsonReader<'a> {
     /// The kind of the next value, without reading it.
     pub(crate) fn peek(&mut self) -> JsonResult<JsonKind> {
         self.skip_space();
-        match self.bytes.get(self.at) {
+        match self.bytes().get(self.at) {
             Some(b'{') => Ok(JsonKind::Object),
             Some(b'[') => Ok(JsonKind::Array),
             Some(b'"') => Ok(JsonKind::String),
@@ -112,12 +122,13 @@ impl<'a> JsonReader<'a> {
         ))
     }
 
-    fn enter(&mut self, step: JsonPathStep) -> JsonResult<()> {
-        self.path.push(step);
-        if self.path.len() > self.deepest {
+    /// Passes the bracket of an array or an object.
+    fn open(&mut self) -> JsonResult<()> {
+        if self.path.len() >= self.deepest {
             let message = format!("nested deeper than the limit of {} levels", self.deepest);
             return Err(ReadError::new("too-deep", FileLocation::Byte(self.at as u64), message));
         }
+        self.at += 1;
         Ok(())
     }
 
@@ -127,13 +138,13 @@ impl<'a> JsonReader<'a> {
         mut each: impl FnMut(&mut Self, u64) -> JsonResult<()>,
     ) -> JsonResult<u64> {
         self.expect(JsonKind::Array, "an array")?;
-        self.at += 1;
+        self.open()?;
         if self.take(b']') {
             return Ok(0);
         }
         let mut index = 0;
         loop {
-            self.enter(JsonPathStep::Index(index))?;
+            self.path.push(JsonPathStep::Index(index));
             each(self, index)?;
             self.path.pop();
             index += 1;
@@ -152,21 +163,20 @@ impl<'a> JsonReader<'a> {
         mut each: impl FnMut(&mut Self, &str) -> JsonResult<()>,
     ) -> JsonResult<()> {
         self.expect(JsonKind::Object, "an object")?;
-        self.at += 1;
+        self.open()?;
         if self.take(b'}') {
             return Ok(());
         }
-        // Only queried for membership: no result depends on its order.
-        let mut seen = HashSet::new();
+        let mut seen = BTreeSet::new();
         loop {
             self.skip_space();
-            let key = self.string()?;
-            self.enter(JsonPathStep::Key(key.clone()))?;
+            let key = self.characters()?;
+            self.path.push(JsonPathStep::Key(key.clone()));
             if !self.take(b':') {
                 return Err(self.syntax("':'"));
             }
             if seen.contains(&key) {
-                return Err(self.error("duplicate-key", "this key stands twice in one object"));
+                return Err(self.error("duplicate-key", format!("{key:?} comes twice in one object")));
             }
             each(self, &key)?;
             seen.insert(key);
@@ -182,8 +192,21 @@ impl<'a> JsonReader<'a> {
 
     /// Reads a number that is finite in double precision.
     pub(crate) fn number(&mut self) -> JsonResult<f64> {
+        let token = self.number_token()?;
+        self.finite(token)
+    }
+
+    /// The value of a number as it is spelled, if it is finite in double precision.
+    pub(crate) fn finite(&self, token: &[u8]) -> JsonResult<f64> {
+        number(token)
+            .filter(|value| value.is_finite())
+            .ok_or_else(|| self.error("not-finite", format!("{} is over the limit of 1.8e308", show(token))))
+    }
+
+    /// Reads a number as it is spelled.
+    pub(crate) fn number_token(&mut self) -> JsonResult<&'a [u8]> {
         self.expect(JsonKind::Number, "a number")?;
-        let rest = &self.bytes[self.at..];
+        let rest = &self.bytes()[self.at..];
         let end = rest
             .iter()
             .position(|b| !matches!(b, b'-' | b'+' | b'.' | b'e' | b'E' | b'0'..=b'9'))
@@ -192,55 +215,61 @@ impl<'a> JsonReader<'a> {
         if !is_json_number(token) {
             return Err(self.syntax("a number"));
         }
-        let value = number(token).filter(|value| value.is_finite()).ok_or_else(|| {
-            self.error("not-finite", format!("{} is over the limit of 1.8e308", show(token)))
-        })?;
         self.at += end;
-        Ok(value)
+        Ok(token)
     }
 
     /// Reads a string.
     pub(crate) fn string(&mut self) -> JsonResult<String> {
+        self.characters().map(Cow::into_owned)
+    }
+
+    /// Reads a string; it is that of the text if nothing in it is escaped.
+    pub(crate) fn characters(&mut self) -> JsonResult<Cow<'a, str>> {
         if !self.take(b'"') {
             return Err(self.syntax("a string"));
         }
-        let mut text = Vec::new();
+        let mut characters = Cow::Borrowed("");
         loop {
-            let Some(&byte) = self.bytes.get(self.at) else { return Err(self.syntax("'\"'")) };
-            match byte {
-                b'"' => break,
-                b'\\' => self.escape(&mut text)?,
-                0..0x20 => return Err(self.syntax("an escaped control character")),
-                _ => {
-                    text.push(byte);
+            let rest = &self.bytes()[self.at..];
+            let n = rest.iter().position(|b| matches!(b, b'"' | b'\\' | 0..0x20)).unwrap_or(rest.len());
+            let plain = &self.text[self.at..self.at + n];
+            if characters.is_empty() {
+                characters = Cow::Borrowed(plain);
+            } else {
+                characters.to_mut().push_str(plain);
+            }
+            self.at += n;
+            match rest.get(n) {
+                Some(b'"') => {
                     self.at += 1;
+                    return Ok(characters);
                 }
+                Some(b'\\') => characters.to_mut().push(self.escape()?),
+                Some(_) => return Err(self.syntax("an escaped control character")),
+                None => return Err(self.syntax("'\"'")),
             }
         }
-        self.at += 1;
-        // The input is UTF-8 and escapes are whole characters, so nothing is replaced here.
-        Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
-    fn escape(&mut self, text: &mut Vec<u8>) -> JsonResult<()> {
-        let plain = match self.bytes.get(self.at + 1) {
-            Some(b'u') => return self.escape_code(text),
-            Some(b'b') => 0x08,
-            Some(b'f') => 0x0c,
-            Some(b'n') => b'\n',
-            Some(b'r') => b'\r',
-            Some(b't') => b'\t',
-            Some(same @ (b'"' | b'\\' | b'/')) => *same,
+    fn escape(&mut self) -> JsonResult<char> {
+        let plain = match self.bytes().get(self.at + 1) {
+            Some(b'u') => return self.escape_code(),
+            Some(b'b') => '\u{8}',
+            Some(b'f') => '\u{c}',
+            Some(b'n') => '\n',
+            Some(b'r') => '\r',
+            Some(b't') => '\t',
+            Some(same @ (b'"' | b'\\' | b'/')) => char::from(*same),
             _ => return Err(self.syntax("an escape")),
         };
-        text.push(plain);
         self.at += 2;
-        Ok(())
+        Ok(plain)
     }
 
-    fn escape_code(&mut self, text: &mut Vec<u8>) -> JsonResult<()> {
+    fn escape_code(&mut self) -> JsonResult<char> {
         let unit = |at: usize| -> Option<u32> {
-            let digits = self.bytes.get(at..at + 6)?.strip_prefix(b"\\u")?;
+            let digits = self.bytes().get(at..at + 6)?.strip_prefix(b"\\u")?;
             digits.iter().try_fold(0, |value, d| Some(16 * value + char::from(*d).to_digit(16)?))
         };
         let first = unit(self.at);
@@ -255,23 +284,27 @@ impl<'a> JsonReader<'a> {
         let Some(character) = code.and_then(char::from_u32) else {
             return Err(self.syntax("an escaped character"));
         };
-        text.extend(character.encode_utf8(&mut [0; 4]).as_bytes());
         self.at += length;
-        Ok(())
+        Ok(character)
     }
 
     /// Reads `true` or `false`.
     pub(crate) fn flag(&mut self) -> JsonResult<bool> {
-        self.skip_space();
-        let rest = &self.bytes[self.at..];
-        let words = [(&b"true"[..], true), (&b"false"[..], false)];
-        match words.iter().find(|(word, _)| rest.starts_with(word)) {
-            Some((word, value)) => {
-                self.at += word.len();
-                Ok(*value)
-            }
-            None => Err(self.error("wrong-type", "true or false should stand here")),
+        match self.word() {
+            Ok(Some(value)) => Ok(value),
+            _ => Err(self.error("wrong-type", "true or false should stand here")),
         }
+    }
+
+    /// Reads `true`, `false` or `null`, which is `None`.
+    pub(crate) fn word(&mut self) -> JsonResult<Option<bool>> {
+        self.skip_space();
+        let rest = &self.bytes()[self.at..];
+        let words = [(&b"true"[..], Some(true)), (&b"false"[..], Some(false)), (&b"null"[..], None)];
+        let found = words.into_iter().find(|(word, _)| rest.starts_with(word));
+        let (word, value) = found.ok_or_else(|| self.syntax("a value"))?;
+        self.at += word.len();
+        Ok(value)
     }
 
     /// Reads a value of any kind and returns its text.
@@ -279,7 +312,7 @@ impl<'a> JsonReader<'a> {
         self.skip_space();
         let start = self.at;
         self.skip()?;
-        Ok(&self.bytes[start..self.at])
+        Ok(&self.bytes()[start..self.at])
     }
 
     /// Skips a value of any kind.
@@ -287,22 +320,16 @@ impl<'a> JsonReader<'a> {
         match self.peek()? {
             JsonKind::Object => self.object(|json, _| json.skip()),
             JsonKind::Array => self.array(|json, _| json.skip()).map(|_| ()),
-            JsonKind::String => self.string().map(|_| ()),
+            JsonKind::String => self.characters().map(|_| ()),
             JsonKind::Number => self.number().map(|_| ()),
-            JsonKind::Word => {
-                let rest = &self.bytes[self.at..];
-                let words: [&[u8]; 3] = [b"true", b"false", b"null"];
-                let word = words.iter().find(|word| rest.starts_with(word));
-                self.at += word.ok_or_else(|| self.syntax("a value"))?.len();
-                Ok(())
-            }
+            JsonKind::Word => self.word().map(|_| ()),
         }
     }
 
     /// Refuses anything but white space after the value.
-    pub(crate) fn end(mut self) -> JsonResult<()> {
+    pub(crate) fn end(&mut self) -> JsonResult<()> {
         self.skip_space();
-        if self.at < self.bytes.len() { Err(self.syntax("the end of the file")) } else { Ok(()) }
+        if self.at < self.bytes().len() { Err(self.syntax("the end of the file")) } else { Ok(()) }
     }
 }
 

@@ -86,7 +86,7 @@ fn h32_json_of_great_depth_and_size_and_with_keys_that_come_twice() {
     let deep = format!("{{\"a\":{}1{}}}", "[".repeat(200_000), "]".repeat(200_000));
     let error = error_of(&glb_of(&deep, &[]));
     assert_eq!((error.code, error.place), ("INVALID_JSON", FileLocation::Byte(20 + 5 + 127)));
-    assert!(error.message.contains("deeper than 128"));
+    assert!(error.message.contains("deeper than the limit of 128"));
     // 300 MB of JSON are refused before they are looked at.
     let large = " ".repeat(300 << 20);
     let error = error_of(&glb_of(&large, &[]));
