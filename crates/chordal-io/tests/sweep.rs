@@ -3,6 +3,9 @@
 mod common;
 #[path = "sweep/corpora.rs"]
 mod corpora;
+#[path = "volumes/dicom_build.rs"]
+#[allow(dead_code)]
+mod dicom_build;
 #[path = "sweep/memory.rs"]
 mod memory;
 #[path = "sweep/seeds.rs"]

@@ -1,4 +1,6 @@
-//! `DicomElements`: the data elements of a file in order, without those inside sequences.
+//! `DicomElements`: the data elements of a file or of an item in order. Those inside a sequence are its
+//! value.
+use crate::grow::push;
 use crate::text::grouped;
 use crate::volume::element::Endian;
 use crate::{FileLocation, ReadError};
@@ -32,7 +34,7 @@ impl DicomSyntax {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DicomElement<'a> {
     pub tag: [u16; 2],
-    /// Its bytes; empty for a sequence, and all items if the value is fragmented.
+    /// Its bytes: all items if it is a sequence, or if the value is fragmented.
     pub value: &'a [u8],
     /// The byte at which the value starts.
     pub at: usize,
@@ -46,11 +48,11 @@ pub(super) fn after_mark(bytes: &[u8]) -> Option<usize> {
     (bytes.get(PREAMBLE..end)? == MAGIC).then_some(end)
 }
 
-/// The items of a fragmented value: for each its offset from the start of the value, and its bytes.
+/// The items of a fragmented value: for each the byte at which it starts, and its bytes.
 ///
 /// # Errors
 /// If an item has no explicit length.
-pub(super) fn items<'a>(element: &DicomElement<'a>) -> Result<Vec<(usize, &'a [u8])>, ReadError> {
+pub(super) fn fragments<'a>(element: &DicomElement<'a>) -> Result<Vec<(usize, &'a [u8])>, ReadError> {
     // Compressed pixels are little-endian in every syntax.
     let mut inner = DicomElements::new(element.value, 0, DicomSyntax::META);
     let mut items = Vec::new();
@@ -63,13 +65,14 @@ pub(super) fn items<'a>(element: &DicomElement<'a>) -> Result<Vec<(usize, &'a [u
             let place = FileLocation::Byte((element.at + inner.at) as u64);
             return Err(ReadError::new("bad-header", place, "a piece of packed pixels has no length"));
         }
-        let at = inner.at;
-        items.push((at, inner.take(head.length as usize)?));
+        let at = element.at + inner.at;
+        push(&mut items, (at, inner.take(head.length as usize)?))?;
     }
     Ok(items)
 }
 
 /// The elements from a byte on.
+#[derive(Clone, Copy)]
 pub(super) struct DicomElements<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -94,6 +97,56 @@ impl<'a> DicomElements<'a> {
         self.at
     }
 
+    /// The encoding of the elements.
+    pub(super) fn syntax(&self) -> DicomSyntax {
+        self.syntax
+    }
+
+    /// The items of a sequence that is one of these elements, each as its own elements.
+    ///
+    /// # Errors
+    /// If an item is truncated, or is none.
+    pub(super) fn items(&self, sequence: &DicomElement<'a>) -> Result<Vec<Self>, ReadError> {
+        let end = sequence.at + sequence.value.len();
+        let mut inner = Self { bytes: &self.bytes[..end], at: sequence.at, syntax: self.syntax };
+        let mut items = Vec::new();
+        while inner.at < end {
+            let at = inner.at;
+            let head = inner.head()?;
+            if head.tag == SEQUENCE_END {
+                break;
+            }
+            if head.tag != ITEM {
+                let message = "a sequence holds something that is no item";
+                return Err(ReadError::new("bad-header", FileLocation::Byte(at as u64), message));
+            }
+            let start = inner.at;
+            let end = if head.length == UNDEFINED {
+                inner.pass_elements()?
+            } else {
+                inner.take(head.length as usize)?;
+                inner.at
+            };
+            push(&mut items, Self { bytes: &self.bytes[..end], at: start, syntax: self.syntax })?;
+        }
+        Ok(items)
+    }
+
+    /// Skips the elements of an item of unknown length with its end, and returns the byte where they end.
+    fn pass_elements(&mut self) -> Result<usize, ReadError> {
+        loop {
+            let at = self.at;
+            match self.next()? {
+                Some(element) if element.tag == ITEM_END => return Ok(at),
+                Some(_) => {}
+                None => {
+                    let message = "the file is cut off: an item of a sequence has no end";
+                    return Err(ReadError::new("truncated", FileLocation::Byte(at as u64), message));
+                }
+            }
+        }
+    }
+
     /// The group of the next element, if there is one.
     pub(super) fn next_group(&self) -> Option<u16> {
         self.bytes.get(self.at..self.at + 2).map(|two| u16::from_le_bytes(self.syntax.endian.array(two)))
@@ -112,11 +165,10 @@ impl<'a> DicomElements<'a> {
         let element = |value, is_in_pieces| DicomElement { tag: head.tag, value, at, is_in_pieces };
         if head.length == UNDEFINED {
             self.pass_items()?;
-            let pieces = if head.is_sequence { &[] } else { &self.bytes[at..self.at] };
-            return Ok(Some(element(pieces, !head.is_sequence)));
+            return Ok(Some(element(&self.bytes[at..self.at], !head.is_sequence)));
         }
         let value = self.take(head.length as usize)?;
-        Ok(Some(element(if head.is_sequence { &[] } else { value }, false)))
+        Ok(Some(element(value, false)))
     }
 
     /// Skips the items of a sequence of unknown length, and all sequences inside.

@@ -1,15 +1,24 @@
-//! DICOM: the slices of a series, each in its own file, as one volume. Uncompressed samples.
+//! DICOM: the slices of a series, each in its own file or all in one, and the masks of a segmentation, as one
+//! volume.
 //!
-//! The crate `dicom-object` 0.10 is not used: it brings 45 others and took 29 seconds of a processor to build
-//! in release, without a decoder of pixels, whereas a volume needs sixteen attributes.
+//! Elements and frames are read here, with the limits of all readers; packed pixels are unpacked by other
+//! libraries. `docs/formats.md` says why.
 //!
 //! Source: NEMA, *PS3.5, PS3.3 and PS3.10: Digital Imaging and Communications in Medicine*, 2024.
+mod attributes;
 mod elements;
+mod file;
+mod frame_facts;
+mod masks;
+mod packed_pixels;
+mod pixel_pieces;
 mod read;
 mod run_lengths;
+mod segment_table;
 mod series;
 mod slice;
 mod slice_list;
+mod transfer_syntax;
 
 pub use read::{read, read_with};
 pub(crate) use slice_list::looks_like;

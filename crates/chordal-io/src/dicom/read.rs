@@ -1,104 +1,140 @@
 //! Reads a DICOM series.
 use super::elements::after_mark;
-use super::series::{DicomSeries, SliceFile};
-use super::slice::DicomSlice;
+use super::file::DicomFile;
+use super::masks::labels_of;
+use super::series::{DicomSeries, DicomSlice};
 use super::slice_list::FIRST;
 use crate::files::FileOpener;
+use crate::grow::{push, push_large, with_room};
 use crate::text::show;
 use crate::volume::count::size_of;
 use crate::volume::data_files::DataFiles;
-use crate::volume::element::Endian;
+use crate::volume::element::{Endian, SampleType};
+use crate::volume::inflate::check_ratio;
 use crate::volume::samples::{self, SampleLayout};
 use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Volume};
 use chordal::budget::advice::{Message, Setting};
-use chordal::implicit::{Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Refuses a single file: a slice alone is not a volume, and a list of slices needs their files
-/// ([`read_with`]).
+/// Reads a file with several frames as [`read_with`] reads a list of slices. Refuses a single slice, which is
+/// no volume, and a list of slices, which needs their files.
 ///
 /// # Errors
-/// Always; the message says what the file is, and what to do.
+/// As [`read_with`]; a slice is refused with a message that says what to do.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
 /// Reads the slices in a list ([`super::slice_list`]) as one volume, in the patient's coordinates "LPS", in
 /// millimetres. Slices are sorted by their positions along the normal, and slope and intercept are applied.
-/// Files that are not slices are counted. Of several series, sorted by identifier, [`Limits::index`] chooses
-/// one.
+/// Files that are not slices are counted. Of several series, sorted by identifier, stack and time,
+/// [`Limits::index`] chooses one. The masks of a segmentation become labels.
 ///
 /// # Errors
-/// If slices are missing, at the same position, at unequal steps, of different sizes, compressed, or
-/// truncated; the message begins with the file. If there are several series and none is chosen; the message
-/// lists them.
+/// If slices are missing, at the same position, at unequal steps, of different sizes, packed in a way that is
+/// not read, or truncated; the message begins with the file. If there are several series and none is chosen;
+/// the message lists them.
 pub fn read_with(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,
     limits: &Limits,
 ) -> Result<ReadOutcome, ReadError> {
-    let Some(names) = bytes.strip_prefix(FIRST) else { return Err(not_a_list(bytes)) };
+    let mut warnings = Warnings::default();
+    let mut files = Vec::new();
+    match bytes.strip_prefix(FIRST) {
+        Some(names) => {
+            let mut beside = DataFiles::new(open, bytes.len() as u64, limits.bytes);
+            files_of(names, &mut beside, (limits, &mut warnings), &mut files)?;
+        }
+        None => files.push(single(bytes, limits)?),
+    }
+    let slices = choose(&files, limits)?;
+    let first = slices[0];
+    let (size, samples, affine) = if first.file.format.element == SampleType::Bool {
+        labels_of(slices, limits, &mut warnings)?
+    } else {
+        volume_of(slices, limits, &mut warnings)?
+    };
+    samples::count_not_finite(&samples, &mut warnings);
+    let grid = Grid::new(size, samples, affine)
+        .map_err(|error| ReadError::new("bad-size", FileLocation::File, error.to_string()))?;
+    // Millimetres, defined by the standard.
+    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001), ..Frame::default() };
+    let name = crate::volume::name_of(first.file.description.as_bytes());
+    let labels = first.file.segments.labels();
+    let volume = Volume { frame, name, space: Some("LPS".to_owned()), labels, ..Volume::from_grid(grid) };
+    Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
+}
+
+/// The files in a list, without those that are no slices.
+fn files_of(
+    names: &[u8],
+    beside: &mut DataFiles<'_, '_>,
+    (limits, warnings): (&Limits, &mut Warnings),
+    files: &mut Vec<DicomFile<'_>>,
+) -> Result<(), ReadError> {
     let names = crate::text::text_of(names)?;
     let names = std::str::from_utf8(names)
         .map_err(|_| ReadError::new("not-utf8", FileLocation::File, "a name in the list is not UTF-8"))?;
-    let mut warnings = Warnings::default();
-    let mut beside = DataFiles::new(open, bytes.len() as u64, limits.bytes);
-    let mut by_series: BTreeMap<String, Vec<SliceFile>> = BTreeMap::new();
     for (line, name) in names.lines().enumerate().filter(|(_, name)| !name.is_empty()) {
         // The first line is the signature.
         let place = FileLocation::Line(line as u64 + 2);
         let bytes = beside.fetch(name, &place)?;
-        match DicomSlice::read(&bytes).map_err(|error| error.within(name))? {
-            Some(slice) => {
-                let files = by_series.entry(slice.series.clone()).or_default();
-                crate::grow::push_large(files, SliceFile { name: name.to_owned(), bytes, slice })?;
-            }
+        match DicomFile::read(name, Cow::Owned(bytes), limits).map_err(|error| error.within(name))? {
+            Some(file) => push_large(files, file)?,
             None => warnings.count("files-ignored", || {
                 (place, format!("files that are no slices were not read, {} first", show(name.as_bytes())))
             }),
         }
     }
-    let series = DicomSeries::new(choose(by_series, limits)?, &mut warnings)?;
-    let samples = samples_of(&series, limits, &mut warnings)?;
-    let first = &series.files[0].slice;
-    let size = [first.format.columns as usize, first.format.rows as usize, series.files.len()];
-    samples::count_not_finite(&samples, &mut warnings);
-    let grid = Grid::new(size, samples, series.affine)
-        .map_err(|error| ReadError::new("bad-size", FileLocation::File, error.to_string()))?;
-    // Millimetres, defined by the standard.
-    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001), ..Frame::default() };
-    let name = crate::volume::name_of(first.description.as_bytes());
-    let volume = Volume { frame, name, space: Some("LPS".to_owned()), ..Volume::from_grid(grid) };
-    Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
+    Ok(())
 }
 
-fn not_a_list(bytes: &[u8]) -> ReadError {
+/// A file that is not in a list: one with several frames.
+fn single<'a>(bytes: &'a [u8], limits: &Limits) -> Result<DicomFile<'a>, ReadError> {
     if after_mark(bytes).is_none() {
         let message = "a DICOM file has the letters DICM at byte 128";
-        return ReadError::new("bad-magic", FileLocation::Byte(128), message);
+        return Err(ReadError::new("bad-magic", FileLocation::Byte(128), message));
     }
-    match DicomSlice::read(bytes) {
-        Ok(_) => {
+    match DicomFile::read("", Cow::Borrowed(bytes), limits)? {
+        Some(file) if file.frames.len() > 1 => Ok(file),
+        _ => {
             let message =
                 "this is one file of a series, and one slice is no volume: give the folder with all of them";
-            ReadError::new("flat-volume", FileLocation::File, message)
+            Err(ReadError::new("flat-volume", FileLocation::File, message))
         }
-        Err(error) => error,
     }
 }
 
+/// What tells series apart: the identifier, the stack and the time.
+type SeriesKey<'a> = (&'a str, &'a str, u32);
+
 /// The slices of the only series, or of the chosen one.
-fn choose(by_series: BTreeMap<String, Vec<SliceFile>>, limits: &Limits) -> Result<Vec<SliceFile>, ReadError> {
+fn choose<'a>(files: &'a [DicomFile<'a>], limits: &Limits) -> Result<Vec<DicomSlice<'a>>, ReadError> {
+    let mut by_series: BTreeMap<SeriesKey<'a>, Vec<DicomSlice<'a>>> = BTreeMap::new();
+    for file in files {
+        for number in 0..file.frames.len() {
+            let slice = DicomSlice { file, number };
+            let frame = slice.frame();
+            let key = (file.series.as_str(), frame.stack.as_deref().unwrap_or(""), frame.time.unwrap_or(0));
+            push(by_series.entry(key).or_default(), slice)?;
+        }
+    }
     let refused = |code, message: Message| Err(ReadError::new(code, FileLocation::File, message));
     let n = by_series.len();
     let listed = || {
-        let one = |(number, files): (usize, &Vec<SliceFile>)| {
-            let name = show(files[0].slice.description.as_bytes());
-            format!("{number}: {name} with {} slices", files.len())
+        let one = |(number, ((_, stack, time), slices)): (usize, (&SeriesKey<'_>, &Vec<DicomSlice<'_>>))| {
+            let name = show(slices[0].file.description.as_bytes());
+            let stack =
+                if stack.is_empty() { String::new() } else { format!(", stack {}", show(stack.as_bytes())) };
+            let time = if *time == 0 { String::new() } else { format!(", time {time}") };
+            format!("{number}: {name}{stack}{time} with {} slices", slices.len())
         };
-        by_series.values().enumerate().map(one).collect::<Vec<_>>().join(", ")
+        by_series.iter().take(MOST_LISTED).enumerate().map(one).collect::<Vec<_>>().join(", ")
     };
     match limits.index {
         _ if n == 0 => refused("no-slices", "no file in the list is a slice of DICOM".into()),
@@ -117,36 +153,55 @@ fn choose(by_series: BTreeMap<String, Vec<SliceFile>>, limits: &Limits) -> Resul
     }
 }
 
+/// The most series that a message lists. Chosen: a page of text.
+const MOST_LISTED: usize = 50;
+
+/// The volume of slices that hold numbers.
+fn volume_of(
+    slices: Vec<DicomSlice<'_>>,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<([usize; 3], Samples, Affine3), ReadError> {
+    let series = DicomSeries::new(slices, warnings)?;
+    let format = series.slices[0].file.format;
+    let sizes = [format.columns as i64, format.rows as i64, series.slices.len() as i64];
+    let size = size_of(sizes, format.element, &FileLocation::File, limits)?;
+    Ok((size, samples_of(&series, size, limits, warnings)?, series.affine))
+}
+
 /// All samples, scaled.
-fn samples_of(series: &DicomSeries, limits: &Limits, warnings: &mut Warnings) -> Result<Samples, ReadError> {
-    let first = &series.files[0].slice;
-    let sizes = [first.format.columns as i64, first.format.rows as i64, series.files.len() as i64];
-    let size = size_of(sizes, first.format.element, &FileLocation::File, limits)?;
-    let mut body = Vec::new();
-    for SliceFile { name, bytes, slice } in &series.files {
-        let stored = || &bytes[slice.start..slice.start + slice.n_bytes];
-        let pixels = slice.unpacked.as_deref().unwrap_or_else(stored);
-        let n = slice.format.n_bytes();
-        // An odd number of bytes is padded by one.
-        if (pixels.len() as u64) < n || pixels.len() as u64 > n + n % 2 {
-            let message = format!("the slice has {} bytes of samples; its size takes {n}", pixels.len());
-            let place = FileLocation::Byte(slice.start as u64);
-            return Err(ReadError::new("size-mismatch", place, message).within(name));
-        }
-        slice.format.decode(&pixels[..n as usize], &mut body)?;
+fn samples_of(
+    series: &DicomSeries<'_>,
+    size: [usize; 3],
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Samples, ReadError> {
+    let format = series.slices[0].file.format;
+    let (mut stored, mut declared) = (0_u64, 0_u64);
+    for slice in &series.slices {
+        let (file_stored, file_declared) = slice.file.sizes();
+        let n = slice.file.frames.len() as u64;
+        (stored, declared) = (stored + file_stored / n, declared + file_declared / n);
     }
-    let layout = SampleLayout::volumes(first.format.element, Endian::Little, size);
+    check_ratio(Some(declared), stored, &FileLocation::File)?;
+    let mut body = Vec::new();
+    for slice in &series.slices {
+        let appended = slice.file.append_samples(slice.number, &mut body);
+        appended.map_err(|error| error.within(&slice.name()))?;
+    }
+    let layout = SampleLayout::volumes(format.element, Endian::Little, size);
     let stored = samples::read(&mut SampleStream::plain(&body, 0), &layout, limits, warnings)?;
     drop(body);
-    let scale = (first.slope, first.inter);
-    if series.files.iter().all(|file| (file.slice.slope, file.slice.inter) == scale) {
+    let scale_of = |slice: &DicomSlice<'_>| (slice.frame().slope, slice.frame().inter);
+    let scale = scale_of(&series.slices[0]);
+    if series.slices.iter().all(|slice| scale_of(slice) == scale) {
         return if scale == (1.0, 0.0) { Ok(stored) } else { samples::scaled(&stored, scale.0, scale.1) };
     }
-    let mut values = crate::grow::with_room(stored.len())?;
-    let n_slice = stored.len() / series.files.len();
-    for (k, file) in series.files.iter().enumerate() {
-        let value = |i: usize| file.slice.slope * stored.get(k * n_slice + i) + file.slice.inter;
-        values.extend((0..n_slice).map(value));
+    let mut values = with_room(stored.len())?;
+    let n_slice = stored.len() / series.slices.len();
+    for (k, slice) in series.slices.iter().enumerate() {
+        let (slope, inter) = scale_of(slice);
+        values.extend((0..n_slice).map(|i| slope * stored.get(k * n_slice + i) + inter));
     }
     Ok(Samples::F64(values))
 }

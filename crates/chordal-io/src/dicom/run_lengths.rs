@@ -1,7 +1,6 @@
 //! Run-length encoded pixels of DICOM: one picture in several planes of bytes.
 //!
 //! Source: NEMA, *DICOM PS3.5*, 2024, annex G.
-use super::elements::{DicomElement, items};
 use crate::text::grouped;
 use crate::volume::element::Endian;
 use crate::{FileLocation, ReadError};
@@ -9,25 +8,17 @@ use crate::{FileLocation, ReadError};
 /// The header of a picture: 16 numbers of 32 bits, the number of segments and their offsets.
 const HEADER: usize = 64;
 
-/// The samples of a picture of `n_pixels` samples of `width` bytes, in the byte order `endian`.
+/// The little-endian samples of the packed `picture`, which starts `at` a byte of the file: `n_pixels`
+/// samples of `width` bytes.
 ///
 /// # Errors
-/// If the picture is truncated, not in exactly one fragment, or of another size than declared.
+/// If the picture is truncated, or of another size than declared.
 pub(super) fn unpack(
-    pixels: &DicomElement<'_>,
+    (picture, at): (&[u8], usize),
     (n_pixels, width): (u64, usize),
-    endian: Endian,
 ) -> Result<Vec<u8>, ReadError> {
-    let wrong = |code, at: usize, message: String| {
-        Err(ReadError::new(code, FileLocation::Byte((pixels.at + at) as u64), message))
-    };
-    let pieces = items(pixels)?;
-    // The first item is the offset table, and there is one picture.
-    let [_, (at, picture)] = pieces[..] else {
-        let message =
-            format!("the pixels are in {} pieces; a table and one picture are expected", pieces.len());
-        return wrong("bad-header", 0, message);
-    };
+    let wrong =
+        |code, at: usize, message: String| Err(ReadError::new(code, FileLocation::Byte(at as u64), message));
     let number = |k: usize| {
         let bytes = picture.get(4 * k..4 * k + 4)?;
         usize::try_from(u32::from_le_bytes(Endian::Little.array(bytes))).ok()
@@ -57,8 +48,7 @@ pub(super) fn unpack(
             return wrong("bad-header", at, format!("plane {plane} is from byte {begin} to {end}"));
         };
         // The first plane has the most significant bytes.
-        let place = if endian == Endian::Little { width - 1 - plane } else { plane };
-        let n = fill(runs, samples.iter_mut().skip(place).step_by(width));
+        let n = fill(runs, samples.iter_mut().skip(width - 1 - plane).step_by(width));
         if n != n_pixels {
             let message =
                 format!("plane {plane} has {} samples of {}", grouped(n as u64), grouped(n_pixels as u64));

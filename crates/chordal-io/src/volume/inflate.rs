@@ -1,8 +1,9 @@
-//! Gzip and zlib, decoded in pieces: only the requested bytes are in memory, however much a file unpacks to.
+//! Gzip, zlib and bare deflate, decoded in pieces: only the requested bytes are in memory, however much a
+//! file unpacks to.
 use crate::text::grouped;
 use crate::unpack_cap::UnpackCap;
 use crate::{FileLocation, ReadError};
-use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use flate2::bufread::{DeflateDecoder, MultiGzDecoder, ZlibDecoder};
 use std::io::{ErrorKind, Read};
 
 /// The two bytes that a gzip stream starts with.
@@ -31,6 +32,8 @@ enum Wrapper<'a> {
     Gzip(MultiGzDecoder<&'a [u8]>),
     /// One stream of zlib (RFC 1950).
     Zlib(ZlibDecoder<&'a [u8]>),
+    /// None (RFC 1951).
+    Bare(DeflateDecoder<&'a [u8]>),
 }
 
 /// A packed stream in memory.
@@ -52,7 +55,12 @@ impl<'a> InflateReader<'a> {
         Self { wrapper: Wrapper::Zlib(ZlibDecoder::new(packed)), packed: packed.len(), start }
     }
 
-    /// The stream in `packed`, of either kind.
+    /// The deflated bytes in `packed`, without a header.
+    pub(crate) fn deflate(packed: &'a [u8], start: u64) -> Self {
+        Self { wrapper: Wrapper::Bare(DeflateDecoder::new(packed)), packed: packed.len(), start }
+    }
+
+    /// The stream in `packed`, of gzip or zlib.
     pub(crate) fn either(packed: &'a [u8], start: u64) -> Self {
         if packed.starts_with(&MAGIC) { Self::gzip(packed, start) } else { Self::zlib(packed, start) }
     }
@@ -75,6 +83,7 @@ impl<'a> InflateReader<'a> {
         match &mut self.wrapper {
             Wrapper::Gzip(decoder) => decoder.read(buffer),
             Wrapper::Zlib(decoder) => decoder.read(buffer),
+            Wrapper::Bare(decoder) => decoder.read(buffer),
         }
     }
 
@@ -83,6 +92,7 @@ impl<'a> InflateReader<'a> {
         match &self.wrapper {
             Wrapper::Gzip(decoder) => decoder.get_ref(),
             Wrapper::Zlib(decoder) => decoder.get_ref(),
+            Wrapper::Bare(decoder) => decoder.get_ref(),
         }
     }
 
@@ -95,6 +105,7 @@ impl<'a> InflateReader<'a> {
         let (code, name) = match self.wrapper {
             Wrapper::Gzip(_) => ("bad-gzip", "gzip"),
             Wrapper::Zlib(_) => ("bad-zlib", "zlib"),
+            Wrapper::Bare(_) => ("bad-deflate", "deflated"),
         };
         if error.kind() == ErrorKind::UnexpectedEof {
             let end = grouped(self.start + self.packed as u64);

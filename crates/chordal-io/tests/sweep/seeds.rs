@@ -1,5 +1,5 @@
 //! The files that the sweep changes: one or more of each format.
-use super::usd_build;
+use super::{dicom_build, usd_build};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal_io::{Format, Frame, Scene, obj, off, ply, stl, threemf, usd, vtk};
@@ -335,6 +335,27 @@ pub(super) fn volumes() -> Vec<(Format, Vec<u8>)> {
         (Format::Vti, VTI_TEXT.to_vec()),
         (Format::Obj, packed(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")),
     ]
+    .into_iter()
+    .chain(dicom_files())
+    .collect()
+}
+
+/// Files of DICOM with two frames each: plain, masks, and one of each packing.
+fn dicom_files() -> Vec<(Format, Vec<u8>)> {
+    let plain = dicom_build::Frames::at(&[0.0, 1.0]);
+    let masks = dicom_build::masks(&[(0.0, 1, [1, 1]), (1.0, 2, [1, 1])], "1");
+    let mut files = vec![plain.bytes(), dicom_build::Frames { is_defined: false, ..masks }.bytes()];
+    let mut syntaxes = std::collections::BTreeSet::new();
+    for frame in dicom_build::packed_frames().iter().filter(|frame| frame["bits"] == 12) {
+        let syntax = frame["syntax"].as_str().expect("a syntax").to_owned();
+        if syntaxes.insert(syntax.clone()) {
+            let stream = dicom_build::stream_of(frame);
+            let pixels = dicom_build::in_pieces(&[], &[stream.clone(), stream]);
+            let bits = [16, 12, 11, 0];
+            files.push(dicom_build::Frames { syntax, size: [5, 8], bits, pixels, ..plain.clone() }.bytes());
+        }
+    }
+    files.into_iter().map(|bytes| (Format::Dicom, bytes)).collect()
 }
 
 /// A MetaImage of eight numbers of 16 bits.

@@ -1,4 +1,5 @@
-//! DICOM: slices by hand, in three ways to write them, as a series in a folder.
+//! DICOM: slices by hand, in four ways to write them, as a series in a folder.
+use super::dicom_build::{element, in_pieces, packed_frames, stream_of};
 use super::values;
 use crate::common::refuse;
 use chordal_io::{Axis, Content, Format, Limits, ReadError, Volume, Warning, dicom, read_with};
@@ -17,6 +18,8 @@ struct Slice {
     channels: u16,
     frames: &'static str,
     pixels: Vec<u8>,
+    /// The pixels as a packed picture, if they are one.
+    packed: Option<Vec<u8>>,
 }
 
 impl Default for Slice {
@@ -33,6 +36,7 @@ impl Default for Slice {
             channels: 1,
             frames: "",
             pixels: Vec::new(),
+            packed: None,
         }
     }
 }
@@ -44,6 +48,9 @@ impl Slice {
     }
 
     fn bytes(&self) -> Vec<u8> {
+        if self.syntax == DEFLATED {
+            return deflated(&Self { syntax: "1.2.840.10008.1.2.1", ..self.clone() }.bytes());
+        }
         let is_big = self.syntax == "1.2.840.10008.1.2.2";
         let is_explicit = self.syntax != "1.2.840.10008.1.2";
         let mut file = [&[0; 128][..], b"DICM"].concat();
@@ -77,6 +84,10 @@ impl Slice {
         }
         element(&mut file, [0x28, 0x1052], b"DS", self.scale[1].as_bytes(), style);
         element(&mut file, [0x28, 0x1053], b"DS", self.scale[0].as_bytes(), style);
+        if let Some(packed) = &self.packed {
+            file.extend(in_pieces(&[], &[packed.clone()]));
+            return file;
+        }
         if self.syntax == RUN_LENGTHS {
             file.extend(run_lengths(&self.pixels, usize::from(self.bits[0] / 8)));
             return file;
@@ -91,6 +102,17 @@ impl Slice {
 }
 
 const RUN_LENGTHS: &str = "1.2.840.10008.1.2.5";
+const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
+
+/// The same file with its data set deflated.
+fn deflated(plain: &[u8]) -> Vec<u8> {
+    let mut file = [&[0; 128][..], b"DICM"].concat();
+    element(&mut file, [2, 0x10], b"UI", DEFLATED.as_bytes(), [true, false]);
+    // The element of the plain file's transfer syntax, which has 20 bytes.
+    let mut encoder = flate2::write::DeflateEncoder::new(file, flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, &plain[132 + 28..]).expect("packed");
+    encoder.finish().expect("packed")
+}
 
 /// Little-endian samples as an element of run lengths: an empty table of frames, then planes of bytes, the highest
 /// first, each with two runs of what is alike and copies of the rest.
@@ -118,41 +140,16 @@ fn run_lengths(pixels: &[u8], width: usize) -> Vec<u8> {
         offset += planes.get(k).map_or(0, Vec::len);
     }
     picture.extend(planes.concat());
-    let item = |number: u16, n: usize| {
-        [&0xFFFE_u16.to_le_bytes()[..], &number.to_le_bytes(), &(n as u32).to_le_bytes()].concat()
-    };
-    let head = [&0x7FE0_u16.to_le_bytes()[..], &0x10_u16.to_le_bytes(), b"OB\0\0", &[255; 4]].concat();
-    [head, item(0xE000, 0), item(0xE000, picture.len()), picture, item(0xE0DD, 0)].concat()
+    in_pieces(&[], &[picture])
 }
 
-/// Appends an element; `style` says whether it is explicit, and whether it is big-endian.
-fn element(
-    file: &mut Vec<u8>,
-    tag: [u16; 2],
-    kind: &[u8; 2],
-    value: &[u8],
-    [is_explicit, is_big]: [bool; 2],
-) {
-    let short = |n: u16| if is_big { n.to_be_bytes() } else { n.to_le_bytes() };
-    let long = |n: usize| if is_big { (n as u32).to_be_bytes() } else { (n as u32).to_le_bytes() };
-    let pad = value.len() % 2;
-    file.extend([short(tag[0]), short(tag[1])].concat());
-    match (is_explicit, kind) {
-        (false, _) => file.extend(long(value.len() + pad)),
-        (true, b"OW") => file.extend([&b"OW\0\0"[..], &long(value.len() + pad)].concat()),
-        (true, _) => file.extend([&kind[..], &short((value.len() + pad) as u16)].concat()),
-    }
-    file.extend(value);
-    file.extend(&b" "[..pad]);
-}
-
-type Files = BTreeMap<String, Vec<u8>>;
+pub type Files = BTreeMap<String, Vec<u8>>;
 
 fn folder(slices: &[Slice]) -> Files {
     slices.iter().enumerate().map(|(i, slice)| (format!("{i}.dcm"), slice.bytes())).collect()
 }
 
-fn load_with(files: &Files, limits: &Limits) -> Result<(Volume, Vec<Warning>), ReadError> {
+pub fn load_with(files: &Files, limits: &Limits) -> Result<(Volume, Vec<Warning>), ReadError> {
     let list = dicom::slice_list(files.keys().map(String::as_str));
     assert_eq!(Format::sniff(&list), Some(Format::Dicom));
     let mut open = |path: &str| files.get(path).cloned().ok_or("no such file".to_owned());
@@ -192,7 +189,7 @@ fn run_lengths_hold_the_same_samples_and_a_cut_or_wrong_one_is_refused() {
 
 #[test]
 fn slices_are_sorted_and_placed_in_the_patient() {
-    for syntax in ["1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2"] {
+    for syntax in ["1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2", DEFLATED] {
         let slices = [Slice::at(8.0, 6), Slice::at(3.0, -2), Slice::at(13.0, 20)];
         let slices = slices.map(|slice| Slice { syntax, ..slice });
         let (volume, warnings) = load(&slices).unwrap();
@@ -255,7 +252,8 @@ fn slices_that_are_no_lattice_are_refused_by_name() {
     assert_eq!(with(&|s| s[3].bits = [12, 12, 11, 0]), is("unsupported", "3.dcm"));
     assert_eq!(with(&|s| s[3].bits = [16, 12, 3, 0]), is("bad-header", "3.dcm"));
     assert_eq!(with(&|s| s[3].bits = [16, 0, 3, 0]), is("bad-header", "3.dcm"));
-    assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.90"), is("packed-pixels", "3.dcm"));
+    assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.90"), is("unsupported", "3.dcm"));
+    assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.201"), is("packed-pixels", "3.dcm"));
     assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.999"), is("unsupported", "3.dcm"));
     assert_eq!(with(&|s| s.iter_mut().for_each(|s| s.orientation = "1\\0\\0\\1\\0\\0")).0, "same-place");
     assert_eq!(with(&|s| s.truncate(1)), is("flat-volume", "0.dcm"));
@@ -316,4 +314,83 @@ fn files_that_are_cut_or_changed_end_well() {
     ];
     files.insert("0.dcm".to_owned(), deep.concat());
     assert!(load_with(&files, &Limits::default()).is_err());
+}
+
+fn packed_slice(frame: &serde_json::Value, z: f64) -> Slice {
+    let bits = frame["bits"].as_u64().expect("bits") as u16;
+    let syntax: &'static str = frame["syntax"].as_str().expect("a syntax").to_owned().leak();
+    let allocated = if bits > 8 { 16 } else { 8 };
+    let is_signed = u16::from(frame["signed"] == true);
+    Slice {
+        syntax,
+        size: [5, 8],
+        bits: [allocated, bits, bits - 1, is_signed],
+        packed: Some(stream_of(frame)),
+        position: format!("1\\2\\{z}"),
+        ..Slice::default()
+    }
+}
+
+#[test]
+fn packed_slices_hold_the_samples_that_other_programs_unpack() {
+    for frame in packed_frames() {
+        let slices = [packed_slice(&frame, 0.0), packed_slice(&frame, 1.0)];
+        let (volume, warnings) = load(&slices).unwrap_or_else(|error| panic!("{}: {error}", frame["name"]));
+        assert!(warnings.is_empty(), "{}: {warnings:?}", frame["name"]);
+        let within = frame["within"].as_f64().unwrap();
+        let expected: Vec<f64> =
+            frame["samples"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        assert_eq!(volume.grid.size(), [8, 5, 2]);
+        for (k, value) in values(&volume).into_iter().enumerate() {
+            let off = (value - expected[k % 40]).abs();
+            assert!(off <= within, "{}: sample {k} is {value}, not {}", frame["name"], expected[k % 40]);
+        }
+    }
+}
+
+#[test]
+fn packed_slices_that_are_cut_or_changed_end_well() {
+    for frame in packed_frames() {
+        let good = packed_slice(&frame, 1.0);
+        let stream = stream_of(&frame);
+        let with = |packed: Vec<u8>| {
+            load(&[packed_slice(&frame, 0.0), Slice { packed: Some(packed), ..good.clone() }])
+        };
+        // The marker of the end may be missing, and padding may take the place of the last byte before it.
+        for end in 0..stream.len() - 8 {
+            let error = with(stream[..end].to_vec()).unwrap_err();
+            assert_eq!(
+                (error.code, &error.message[..6]),
+                ("bad-packing", "1.dcm:"),
+                "{} cut at {end}",
+                frame["name"]
+            );
+        }
+        for at in 0..stream.len() {
+            for value in [0, 1, 0x7F, 0xFF] {
+                let mut changed = stream.clone();
+                changed[at] = value;
+                let _ = with(changed);
+            }
+        }
+        let larger = load(&[0.0, 1.0].map(|z| Slice { size: [6, 8], ..packed_slice(&frame, z) }));
+        assert_eq!(larger.unwrap_err().code, "bad-packing");
+        let huge = load(&[0.0, 1.0].map(|z| Slice { size: [4097, 4096], ..packed_slice(&frame, z) }));
+        assert_eq!(huge.unwrap_err().code, "too-dense");
+    }
+}
+
+#[test]
+fn a_packing_that_is_not_read_is_named_with_what_to_do() {
+    for (syntax, name) in
+        [("4.201", "high-throughput JPEG 2000"), ("4.110", "JPEG XL"), ("4.102", "MPEG-4 video")]
+    {
+        let syntax: &'static str = format!("1.2.840.10008.1.2.{syntax}").leak();
+        let slice = |z| Slice { syntax, packed: Some(vec![0; 8]), ..Slice::at(z, 0) };
+        let error = load(&[slice(0.0), slice(1.0)]).unwrap_err();
+        assert_eq!(error.code, "packed-pixels");
+        for words in [name, syntax, "save the series uncompressed", "gdcmconv"] {
+            assert!(error.message.contains(words), "{error}");
+        }
+    }
 }

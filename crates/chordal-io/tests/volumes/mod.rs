@@ -3,6 +3,8 @@
 mod build;
 mod corpus;
 mod dicom;
+mod dicom_build;
+mod dicom_frames;
 mod hostile;
 mod mha;
 mod nii;

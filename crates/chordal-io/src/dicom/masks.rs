@@ -1,0 +1,94 @@
+//! The volume of labels that the masks of a segmentation make.
+//!
+//! Source: NEMA, *DICOM PS3.3*, 2024, C.8.20.
+use super::series::{DicomSlice, PLACE, affine_of, check_alike, dot, normal_of, refused};
+use crate::grow::{push_many, with_room};
+use crate::unpack_cap::UnpackCap;
+use crate::volume::count::size_of;
+use crate::volume::element::SampleType;
+use crate::warnings::Warnings;
+use crate::{FileLocation, Limits, ReadError};
+use chordal::implicit::{Affine3, Samples};
+
+/// The labels of masks, one mask for each segment and slice; slices without a mask are empty. A sample in
+/// several segments has the smallest of their numbers, with a warning.
+///
+/// # Errors
+/// If masks are not at steps of a lattice, have no segment, or the lattice exceeds a limit.
+pub(super) fn labels_of(
+    mut masks: Vec<DicomSlice<'_>>,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<([usize; 3], Samples, Affine3), ReadError> {
+    check_alike(&masks)?;
+    let first = masks[0];
+    let normal = normal_of(&first);
+    let length = dot(normal, normal).sqrt();
+    let along = |slice: &DicomSlice<'_>| dot(slice.frame().position, normal) / length;
+    masks.sort_by(|a, b| along(a).total_cmp(&along(b)));
+    let lowest = masks[0];
+    let (low, high) = (along(&lowest), along(&masks[masks.len() - 1]));
+    let gaps = masks.windows(2).map(|two| along(&two[1]) - along(&two[0]));
+    // Masks of several segments are at one position.
+    let apart = gaps.filter(|gap| *gap > PLACE * first.frame().spacing[0]);
+    let step = lowest.frame().between.filter(|step| *step > 0.0).or_else(|| apart.min_by(f64::total_cmp));
+    let Some(step) = step.filter(|step| high - low > PLACE * step) else {
+        let message = "the segmentation has one slice; a volume has 2 or more along each axis";
+        return Err(refused("flat-volume", &lowest, message));
+    };
+    let format = first.file.format;
+    // Saturates; the size is checked below.
+    let n_slices = ((high - low) / step + 0.5).floor() as i64 + 1;
+    let place = FileLocation::File;
+    let largest = masks.iter().filter_map(|mask| mask.frame().segment).max().unwrap_or(0);
+    let element = if largest > 0xFF { SampleType::U16 } else { SampleType::U8 };
+    let size = size_of([format.columns as i64, format.rows as i64, n_slices], element, &place, limits)?;
+    let n = size.iter().product::<usize>();
+    let stored: u64 = masks.iter().map(|mask| mask.file.format.n_pixels().div_ceil(8)).sum();
+    if UnpackCap::VOLUME.is_too_dense((n * element.width()) as u64, stored) {
+        let message = format!("the segmentation {}", UnpackCap::VOLUME.too_dense(stored));
+        return Err(refused("too-dense", &first, &message));
+    }
+    let mut labels: Vec<u16> = Vec::new();
+    push_many(&mut labels, 0, n)?;
+    masks.sort_by_key(|mask| mask.frame().segment);
+    let n_pixels = size[0] * size[1];
+    let mut overlaps = 0;
+    let origin = lowest.frame().position;
+    let steps = normal.map(|x| x / length * step);
+    for mask in &masks {
+        mask.file.check_bits().map_err(|error| error.within(&mask.name()))?;
+        let Some(number) = mask.frame().segment.filter(|number| *number > 0) else {
+            return Err(refused("missing-attribute", mask, "the mask names no segment"));
+        };
+        let k = ((along(mask) - low) / step + 0.5).floor();
+        let offset: [f64; 3] =
+            std::array::from_fn(|axis| mask.frame().position[axis] - (origin[axis] + k * steps[axis]));
+        let off = dot(offset, offset).sqrt() / step;
+        if off > PLACE {
+            let message = format!("the mask is {off:.3} steps from its place, and at most {PLACE} is read");
+            return Err(refused("uneven-slices", mask, &message));
+        }
+        let slice = &mut labels[k as usize * n_pixels..][..n_pixels];
+        for (pixel, label) in slice.iter_mut().enumerate() {
+            if mask.file.bit(mask.number, pixel) {
+                overlaps += u64::from(*label != 0 && *label != number);
+                *label = if *label == 0 { number } else { *label };
+            }
+        }
+    }
+    if overlaps > 0 {
+        warnings.count_all(
+            "segments-overlap",
+            overlaps,
+            "samples are in several segments and were given to the one with the smallest number",
+        );
+    }
+    let affine = affine_of(&first, steps, origin)?;
+    if element == SampleType::U16 {
+        return Ok((size, Samples::U16(labels), affine));
+    }
+    let mut bytes = with_room(n)?;
+    bytes.extend(labels.iter().map(|label| *label as u8));
+    Ok((size, Samples::U8(bytes), affine))
+}
