@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 import socket
 import subprocess
 import time
 import uuid
-from importlib import import_module
 from typing import Any, Final, TypedDict
 
 from chordal import _chordal
@@ -51,7 +51,7 @@ _MEMORY_SHARE: Final = 0.75
 def do_job(job: Job) -> dict[str, Any] | None:
     """Runs the command, and returns its result in the form of `batch/bridge.rs`; `{"fault": …}` if this worker cannot do any file
     of the batch; None if the command was ended because the result is not wanted any more."""
-    worker = import_module("distributed").get_worker()
+    worker = importlib.import_module("distributed").get_worker()
     where = f"worker {worker.address} on {socket.gethostname()}"
     cwd, work = text(job["cwd"]), text(job["work"])
     if VERSION != job["version"]:
@@ -95,7 +95,7 @@ def text(name: Name) -> str:
 
 def _memory_words(worker: Any) -> list[str]:
     """The option for the memory of one of the worker's threads: its share of the worker's limit, else of the machine's memory."""
-    limit = worker.memory_manager.memory_limit or import_module("distributed.system").MEMORY_LIMIT
+    limit = worker.memory_manager.memory_limit or importlib.import_module("distributed.system").MEMORY_LIMIT
     return ["--max-memory", str(max(1, int(limit * _MEMORY_SHARE / max(1, worker.state.nthreads))))]
 
 

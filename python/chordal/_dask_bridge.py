@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import contextlib
+import importlib
 import json
 import logging
 import os
@@ -13,7 +14,6 @@ import signal
 import sys
 import threading
 import warnings
-from importlib import import_module
 from typing import Any, Final
 
 from chordal._batch_job import do_job
@@ -123,7 +123,7 @@ def _failed(number: int, error: Exception) -> dict[str, Any]:
 
 async def _serve(address: str, out: int) -> None:
     try:
-        distributed = import_module("distributed")
+        distributed = importlib.import_module("distributed")
         client = await distributed.Client(address, asynchronous=True, timeout=_CONNECT_S, set_as_default=False)
     except ImportError as error:
         _send(out, fault=f"Dask's distributed cannot be imported: {error}; it is installed by: pip install distributed")

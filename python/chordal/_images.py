@@ -4,9 +4,9 @@ objects are recognized by their attributes.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from chordal._arguments import warn
@@ -63,7 +63,7 @@ def _of_simpleitk(image: Any) -> Lattice:
 
     if image.GetDimension() != 3:
         raise ValueError(f"array: an image of three axes, not {image.GetDimension()}")
-    SimpleITK = import_module("SimpleITK")
+    SimpleITK = importlib.import_module("SimpleITK")
 
     array = SimpleITK.GetArrayViewFromImage(image)
     affine = np.eye(4)
@@ -125,7 +125,7 @@ def _scalars_of_vtk(image: Any) -> NDArray[Any]:
         values = image.active_scalars
     else:
         scalars = image.GetPointData().GetScalars() or image.GetCellData().GetScalars()
-        values = None if scalars is None else import_module("vtkmodules.util.numpy_support").vtk_to_numpy(scalars)
+        values = None if scalars is None else importlib.import_module("vtkmodules.util.numpy_support").vtk_to_numpy(scalars)
     if values is None:
         raise ValueError("array: this image has no active scalars")
     scalars_array: NDArray[Any] = np.asarray(values)
@@ -150,7 +150,7 @@ class Imaged:
 
     def to_nibabel(self) -> Any:
         """An image of nibabel, with the matrix of this volume, and its unit if NIfTI has it."""
-        nibabel = import_module("nibabel")
+        nibabel = importlib.import_module("nibabel")
         import numpy as np
 
         array = self.array
@@ -166,7 +166,7 @@ class Imaged:
     def to_simpleitk(self) -> Any:
         """An image of SimpleITK. Raises `ValueError` if the axes are not orthogonal, which SimpleITK cannot represent."""
         import numpy as np
-        SimpleITK = import_module("SimpleITK")
+        SimpleITK = importlib.import_module("SimpleITK")
 
         steps = self.affine[:3, :3]
         # The other way round: the length of each column is the spacing.
@@ -182,7 +182,7 @@ class Imaged:
 
     def to_pyvista(self) -> Any:
         """A `pyvista.ImageData` with a copy of the samples as point data "values"."""
-        pyvista = import_module("pyvista")
+        pyvista = importlib.import_module("pyvista")
         import numpy as np
 
         image = pyvista.ImageData(dimensions=self.array.shape)
@@ -194,7 +194,7 @@ class Imaged:
     def to_xarray(self) -> Any:
         """A DataArray of xarray along x, y and z. Raises `ValueError` if the axes are rotated, which xarray cannot represent."""
         import numpy as np
-        xarray = import_module("xarray")
+        xarray = importlib.import_module("xarray")
 
         steps = self.affine[:3, :3]
         if np.any(steps != np.diag(np.diag(steps))):

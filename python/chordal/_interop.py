@@ -4,7 +4,7 @@ recognized by their attributes.
 
 from __future__ import annotations
 
-from importlib import import_module
+import importlib
 from typing import TYPE_CHECKING, Any
 
 from chordal._arguments import warn
@@ -63,7 +63,7 @@ class Interoperable:
         dropped with a `UserWarning`.
         """
         import numpy as np
-        trimesh = import_module("trimesh")
+        trimesh = importlib.import_module("trimesh")
 
         colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
         visual = None
@@ -93,7 +93,7 @@ class Interoperable:
         vertices. The bound is in its field data "chordal".
         """
         import numpy as np
-        pyvista = import_module("pyvista")
+        pyvista = importlib.import_module("pyvista")
 
         poly_data = pyvista.PolyData.from_regular_faces(np.array(self.vertices), self.faces.astype(np.int64))
         colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
@@ -110,7 +110,7 @@ class Interoperable:
     def to_open3d(self) -> Any:
         """An `open3d.geometry.TriangleMesh` with the same vertices and faces, and normals and colours of vertices."""
         import numpy as np
-        open3d = import_module("open3d")
+        open3d = importlib.import_module("open3d")
 
         result = open3d.geometry.TriangleMesh(
             open3d.utility.Vector3dVector(np.array(self.vertices)), open3d.utility.Vector3iVector(np.array(self.faces))
@@ -128,7 +128,7 @@ class Interoperable:
 
     def to_manifold3d(self) -> Any:
         """A `manifold3d.Manifold` of closed triangles. Raises `ValueError` if manifold3d does not accept them as a solid."""
-        manifold3d = import_module("manifold3d")
+        manifold3d = importlib.import_module("manifold3d")
         import numpy as np
 
         mesh = manifold3d.Mesh64(np.array(self.vertices), self.faces.astype(np.uint64))
@@ -140,7 +140,7 @@ class Interoperable:
 
     def to_meshio(self) -> Any:
         """A `meshio.Mesh` with the same vertices and faces, and with normals, texture coordinates and colours of vertices."""
-        meshio = import_module("meshio")
+        meshio = importlib.import_module("meshio")
         import numpy as np
 
         names: tuple[tuple[_Kind, str], ...] = (("normal", "normals"), ("uv", "uv"), ("color", "colors"))

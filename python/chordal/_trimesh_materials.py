@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
 import io
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from chordal._material import Material
@@ -50,8 +50,8 @@ def material_to_trimesh(mesh: Mesh) -> Any:
     for name in _PICTURES.values():
         reference = pbr.get(name, gltf.get(name))
         image = None if reference is None else mesh.images[mesh.textures[reference["index"]].get("source", 0)]
-        pictures[name] = None if image is None else import_module("PIL.Image").open(io.BytesIO(image))
-    return import_module("trimesh").visual.material.PBRMaterial(
+        pictures[name] = None if image is None else importlib.import_module("PIL.Image").open(io.BytesIO(image))
+    return importlib.import_module("trimesh").visual.material.PBRMaterial(
         name=gltf.get("name") or None,
         baseColorFactor=pbr.get("baseColorFactor"),
         metallicFactor=pbr.get("metallicFactor"),

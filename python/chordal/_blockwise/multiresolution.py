@@ -4,13 +4,13 @@ coarser level."""
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from chordal import _chordal
@@ -237,7 +237,7 @@ class LabelTree:
 
 def _draco() -> Any:
     try:
-        return import_module("DracoPy")
+        return importlib.import_module("DracoPy")
     except ImportError as error:
         message = "Neuroglancer's meshes of several levels are compressed by Draco: install the package DracoPy"
         raise ImportError(f"{message}, as by pip install DracoPy, here and where workers are", name="DracoPy") from error

@@ -6,6 +6,7 @@ specifications of the formats: NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and
 
 from __future__ import annotations
 
+import importlib
 import math
 import mmap
 import os
@@ -13,7 +14,6 @@ import secrets
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from chordal._arguments import warn
@@ -59,7 +59,7 @@ def opened(path: str, level: int, channel: int | None) -> Placed:
         return Placed(_NpyFile(path))
     if path.startswith("precomputed://") or os.path.isfile(os.path.join(path, "info")):
         return _precomputed(path.removeprefix("precomputed://").removeprefix("file://"), level, channel)
-    node = import_module("zarr").open(path, mode="r")
+    node = importlib.import_module("zarr").open(path, mode="r")
     if hasattr(node, "dtype"):
         refuse_choice("level", level, "an array of Zarr")
         refuse_choice("channel", channel, "an array of Zarr")
@@ -170,7 +170,7 @@ class _NiftiFile(_Opened):
         import numpy as np
 
         self._path: Final = os.path.abspath(path)
-        image = import_module("nibabel").load(self._path)
+        image = importlib.import_module("nibabel").load(self._path)
         self.shape = tuple(int(n) for n in image.shape[:3])
         is_plain, _ = nibabel_facts(image)
         self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
@@ -180,7 +180,7 @@ class _NiftiFile(_Opened):
         self._more: Final = tuple(int(n) for n in np.unravel_index(number, more, order="F")) if more else ()
 
     def _array(self) -> Any:
-        return import_module("nibabel").load(self._path).dataobj
+        return importlib.import_module("nibabel").load(self._path).dataobj
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
         index = (*slices, *self._more)
@@ -190,7 +190,7 @@ class _NiftiFile(_Opened):
 def _nifti(path: str, volume: int | None) -> Placed:
     import numpy as np
 
-    image = import_module("nibabel").load(path)
+    image = importlib.import_module("nibabel").load(path)
     _, unit = nibabel_facts(image)
     return Placed(_NiftiFile(path, volume), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
 
@@ -263,7 +263,7 @@ class _ZarrArray(_Opened):
         self.dtype = array.dtype
 
     def _array(self) -> Any:
-        zarr = import_module("zarr")
+        zarr = importlib.import_module("zarr")
         if self._name:
             return _once(self._token, lambda: zarr.open_group(self._path, mode="r")[self._name])
         return _once(self._token, lambda: zarr.open_array(self._path, mode="r"))
@@ -330,7 +330,7 @@ def _axis(axis: str | Mapping[str, Any]) -> tuple[str, str | None, str | None]:
 
 
 def _tensorstore(path: str, level: int) -> Any:
-    tensorstore = import_module("tensorstore")
+    tensorstore = importlib.import_module("tensorstore")
     kvstore = path if "://" in path else {"driver": "file", "path": path}
     spec = {"driver": "neuroglancer_precomputed", "kvstore": kvstore, "scale_index": level}
     return tensorstore.open(spec, open=True, read=True).result()

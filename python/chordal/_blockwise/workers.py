@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, wait
-from importlib import import_module
 from typing import Any, Final, TypeVar
 
 from chordal._errors import Error
@@ -23,7 +23,7 @@ class Workers:
         if cluster is not None and executor is not None:
             raise TypeError("executor, cluster: give one of them")
         self._is_own: Final = cluster is not None
-        self._executor: Final[Any] = import_module("distributed").Client(cluster) if cluster is not None else executor
+        self._executor: Final[Any] = importlib.import_module("distributed").Client(cluster) if cluster is not None else executor
         self._is_dask: Final = hasattr(self._executor, "scheduler_info")
 
     def __enter__(self) -> Workers:
@@ -67,7 +67,7 @@ class Workers:
 
     def _done(self, running: list[Any]) -> Any:
         if self._is_dask:
-            return import_module("distributed").wait(running, return_when="FIRST_COMPLETED").done
+            return importlib.import_module("distributed").wait(running, return_when="FIRST_COMPLETED").done
         return wait(running, return_when=FIRST_COMPLETED).done
 
     def _at_once(self) -> int:
