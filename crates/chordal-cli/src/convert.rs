@@ -10,7 +10,6 @@ use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
 use crate::verb_run::{RunArgs, VerbRun};
 use chordal::budget::advice::Spell;
-use chordal_io::Format;
 use chordal_verbs::options::ConvertOptions;
 use chordal_verbs::report::Report;
 use chordal_verbs::{MeshFailure, Shape, convert_within, needs_mesh, polygons_lose_no_more};

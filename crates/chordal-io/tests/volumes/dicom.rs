@@ -85,7 +85,7 @@ impl Slice {
         element(&mut file, [0x28, 0x1052], b"DS", self.scale[1].as_bytes(), style);
         element(&mut file, [0x28, 0x1053], b"DS", self.scale[0].as_bytes(), style);
         if let Some(packed) = &self.packed {
-            file.extend(in_pieces(&[], &[packed.clone()]));
+            file.extend(in_pieces(&[], std::slice::from_ref(packed)));
             return file;
         }
         if self.syntax == RUN_LENGTHS {

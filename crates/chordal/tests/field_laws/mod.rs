@@ -191,8 +191,7 @@ fn a_million_shapes_unite() {
     // A tenth of them would overflow the stack of a test, too, if anything recursed.
     let n = if is_long() { 1_000_000 } else { 100_000 };
     let ball = sphere(0.4).expect("a shape");
-    let many: Vec<Field> =
-        (0..n).map(|k| ball.moved([f64::from(k), 0.0, 0.0]).expect("finite")).collect();
+    let many: Vec<Field> = (0..n).map(|k| ball.moved([f64::from(k), 0.0, 0.0]).expect("finite")).collect();
     let all = Field::union_of(&many);
     let end = all.bounds().max[0];
     let last = f64::from(n - 1) + 0.4;
