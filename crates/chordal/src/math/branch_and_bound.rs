@@ -1,6 +1,6 @@
 //! `branch_and_bound`: the largest bound over the pieces of a shape; the piece with the largest bound is
-//! divided repeatedly.
-use super::PriorityItem;
+//! divided repeatedly. `PriorityItem`: such a piece in a queue.
+use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// The largest bound over pieces that together form the shape: the piece with the largest bound is divided
@@ -27,6 +27,32 @@ pub(crate) fn branch_and_bound<T, E>(
         divide(worst.item, &mut open)?;
     }
     Ok(open.pop().map_or(0.0, |worst| worst.bound))
+}
+
+/// An item that is ordered by its bound alone.
+pub(crate) struct PriorityItem<T> {
+    pub bound: f64,
+    pub item: T,
+}
+
+impl<T> PartialEq for PriorityItem<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl<T> Eq for PriorityItem<T> {}
+
+impl<T> PartialOrd for PriorityItem<T> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<T> Ord for PriorityItem<T> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound)
+    }
 }
 
 #[cfg(test)]

@@ -9,28 +9,26 @@ pub mod elementary;
 mod exponent;
 mod interval;
 mod predicates;
-mod priority_item;
 mod probe;
 mod rounding;
 pub mod simd;
 mod vector;
 
 pub use box3::Box3;
-pub(crate) use branch_and_bound::branch_and_bound;
+pub(crate) use branch_and_bound::{PriorityItem, branch_and_bound};
 pub(crate) use double_double::DoubleDouble;
-pub(crate) use exponent::{exponent, power_of_two};
+pub(crate) use exponent::{exponent, power_of_two, unit_scale};
 pub use interval::Interval;
 pub(crate) use interval::bare::BareInterval;
 pub(crate) use predicates::dot_sign;
 pub(crate) use predicates::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
-pub(crate) use priority_item::PriorityItem;
 pub use probe::flushes_subnormals;
 pub(crate) use rounding::length_up;
 pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
 };
 pub(crate) use simd::prefetch;
-pub(crate) use vector::{cross, difference, dot, length, unit_and_length};
+pub(crate) use vector::{cross, difference, distance, dot, length, unit_and_length};
 pub use vector::{greater, lesser, unit};
 
 /// Exact predicates, and the error for numbers that form no interval.

@@ -18,6 +18,12 @@ pub(crate) fn length<const D: usize>(a: [f64; D]) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// `|a − b|`.
+#[inline(always)]
+pub(crate) fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    length(difference(a, b))
+}
+
 /// `a × b`.
 #[inline(always)]
 pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

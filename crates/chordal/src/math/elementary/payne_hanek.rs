@@ -2,7 +2,16 @@
 //!
 //! Source: M. H. Payne and R. N. Hanek, *Radian Reduction for Trigonometric Functions*, 1983.
 use super::super::DoubleDouble;
-use super::trigonometric::ReducedAngle;
+
+/// An angle as `turns` · π/2 + `hi` + `lo`, where |hi| exceeds π/4 at most slightly, and |lo| is below 2.1 u
+/// |hi|.
+#[derive(Clone, Copy)]
+pub(super) struct ReducedAngle {
+    pub(super) hi: f64,
+    pub(super) lo: f64,
+    /// Only the last two bits are significant.
+    pub(super) turns: u64,
+}
 
 /// The binary digits of 2/π after the binary point, preceded by 64 zeros for the integer part. Derived with
 /// 2600 bits.

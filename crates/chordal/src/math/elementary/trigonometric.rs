@@ -1,7 +1,7 @@
 //! Sine, cosine and tangent: reduction by multiples of π/2 in three parts, then Taylor series on [−π/4, π/4].
 //!
 //! Source of the reduction: W. J. Cody and W. M. Waite, *Software Manual for the Elementary Functions*, 1980.
-use super::payne_hanek;
+use super::payne_hanek::{self, ReducedAngle};
 
 /// The largest absolute value for which arguments are reduced in floating point. Derived: 2¹⁶ quarter turns,
 /// exactly 32768 π rounded down.
@@ -17,16 +17,6 @@ const HALF_PI: [f64; 3] = [
 
 /// 1.5 · 2⁵²: when it is added to a number below 2⁵¹, the low bits of the sum are the nearest integer.
 pub(super) const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
-
-/// An angle as `turns` · π/2 + `hi` + `lo`, where |hi| exceeds π/4 at most slightly, and |lo| is below 2.1 u
-/// |hi|.
-#[derive(Clone, Copy)]
-pub(super) struct ReducedAngle {
-    pub(super) hi: f64,
-    pub(super) lo: f64,
-    /// Only the last two bits are significant.
-    pub(super) turns: u64,
-}
 
 /// Reduces |x| ≤ [`NEAR`].
 ///
