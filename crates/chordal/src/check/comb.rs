@@ -1,5 +1,6 @@
 //! The curvature comb of a planar path: normals with lengths proportional to the curvature.
 use crate::explicit::{Curve, CurveSegment};
+use crate::math::length;
 
 /// One tooth of a comb.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +47,7 @@ pub fn curvature_comb(curve: &Curve<2>, n: usize, scale: f64) -> Vec<Vec<Tooth>>
 
 fn tooth(piece: &CurveSegment<2>, t: f64, scale: f64) -> Option<Tooth> {
     let (on_curve, first, second) = (piece.at(t), piece.tangent(t), piece.second_derivative(t));
-    let speed = (first[0] * first[0] + first[1] * first[1]).sqrt();
+    let speed = length(first);
     let curvature = (first[0] * second[1] - first[1] * second[0]) / (speed * speed * speed);
     if !curvature.is_finite() {
         return None;

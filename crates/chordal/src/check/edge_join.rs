@@ -1,7 +1,7 @@
 //! The continuity (Cⁿ, Gⁿ) of two patches along an edge.
 use super::joins::{FIRST, SECOND, angle};
 use crate::explicit::{Bezier, Patch, PatchSide};
-use crate::math::{cross, difference, dot, exponent, greater, length, lesser, power_of_two};
+use crate::math::{cross, distance, dot, exponent, greater, length, lesser, power_of_two};
 
 /// A side of a patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -141,7 +141,7 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
 
 /// The largest distance of corresponding control points.
 pub(super) fn apart(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> f64 {
-    a.iter().zip(b).fold(0.0, |most, (a, b)| greater(length(difference(*a, *b)), most))
+    a.iter().zip(b).fold(0.0, |most, (a, b)| greater(distance(*a, *b), most))
 }
 
 /// The derivatives of a surface at a point of an edge: along the edge, and across it into the surface.
@@ -277,7 +277,7 @@ pub(super) struct EdgePair<S> {
 impl<S: CrossBoundary> EdgePair<S> {
     pub fn gap(&self, t: f64) -> f64 {
         let [first, second] = self.sides.each_ref().map(|side| side.jet(t).point);
-        length(difference(first, second))
+        distance(first, second)
     }
 
     /// 0 within rounding.
@@ -322,7 +322,7 @@ impl EdgePair<PatchBoundary> {
         let roundings = self.roundings;
         let control = |a: &Bezier<3>, b: &Bezier<3>, sign: f64| {
             let pairs = a.control.into_iter().zip(b.control);
-            pairs.fold(0.0, |most, (a, b)| greater(length(difference(a, b.map(|x| sign * x))), most))
+            pairs.fold(0.0, |most, (a, b)| greater(distance(a, b.map(|x| sign * x)), most))
         };
         // A doubled row has a derivative of zero, which equals only another one.
         let zero = Bezier { control: [[0.0; 3]; 4] };

@@ -1,6 +1,6 @@
 //! The measured deviation between a path and its polyline: the largest gap that was found, and its location.
 use crate::explicit::{Curve, Polyline};
-use crate::math::{difference, dot, length, lesser};
+use crate::math::{difference, distance, dot, lesser};
 
 /// A gap between a path and a polyline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,12 +54,7 @@ pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> 
         let gap_at = |parameter: f64| {
             let on_curve = curve.at(parameter);
             let on_polyline = closest_on_segment(on_curve, segment);
-            Gap {
-                distance: length(difference(on_curve, on_polyline)),
-                place: parameter,
-                on_curve,
-                on_polyline,
-            }
+            Gap { distance: distance(on_curve, on_polyline), place: parameter, on_curve, on_polyline }
         };
         let gap = farthest(gap_at, &samples(curve, segment, [from, to]));
         if worst.as_ref().is_none_or(|worst| gap.distance > worst.distance) {
@@ -148,9 +143,9 @@ fn refined<const D: usize>(
 /// The distance from a point to the closest point of a polyline; infinite if it has no points.
 #[must_use]
 pub fn distance_to_polyline<const D: usize>(point: [f64; D], polyline: &Polyline<D>) -> f64 {
-    let to_first = polyline.points.first().map_or(f64::INFINITY, |first| length(difference(point, *first)));
+    let to_first = polyline.points.first().map_or(f64::INFINITY, |first| distance(point, *first));
     polyline.segments().fold(to_first, |least, segment| {
-        let far = length(difference(point, closest_on_segment(point, segment)));
+        let far = distance(point, closest_on_segment(point, segment));
         lesser(far, least)
     })
 }
@@ -227,7 +222,7 @@ mod tests {
             for (i, segment) in chain.segments().enumerate() {
                 for k in 0..=500 {
                     let p = curve.at((i as f64 + f64::from(k) / 500.0) / f64::from(n));
-                    let far = length(difference(p, closest_on_segment(p, segment)));
+                    let far = distance(p, closest_on_segment(p, segment));
                     assert!(far <= gap.distance + 1e-12, "{control:?}, {n}: {far} against {gap:?}");
                 }
             }

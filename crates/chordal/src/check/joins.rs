@@ -1,6 +1,6 @@
 //! The continuity (Cⁿ, Gⁿ) between the pieces of a path.
 use crate::explicit::{Curve, CurveSegment};
-use crate::math::{difference, dot, greater, length, lesser};
+use crate::math::{difference, distance, dot, greater, length, lesser};
 
 /// The continuity between two pieces of a path.
 ///
@@ -83,11 +83,11 @@ pub fn join<const D: usize>(
     let narrow = lesser(widths[0], widths[1]);
     // See FIRST.
     let rounding = [FIRST * f64::EPSILON * size / narrow, SECOND * f64::EPSILON * size / (narrow * narrow)];
-    let position_gap = length(difference(end, start));
+    let position_gap = distance(end, start);
     let parametric = (position_gap == 0.0).then(|| {
-        if length(difference(first[0], first[1])) > rounding[0] {
+        if distance(first[0], first[1]) > rounding[0] {
             0
-        } else if length(difference(second[0], second[1])) > rounding[1] {
+        } else if distance(second[0], second[1]) > rounding[1] {
             1
         } else {
             2
@@ -99,7 +99,7 @@ pub fn join<const D: usize>(
     let speeds = first.map(length);
     let slow = lesser(speeds[0], speeds[1]);
     let bent = [curvature(first[0], second[0]), curvature(first[1], second[1])];
-    let curvature_gap = bent[0].zip(bent[1]).map(|(a, b)| length(difference(a, b)));
+    let curvature_gap = bent[0].zip(bent[1]).map(|(a, b)| distance(a, b));
     let curvatures = bent.map(|bent| bent.map(length));
     // Angles and curvatures are as accurate as the derivatives, relative to the speed.
     let angle_rounding = rounding[0] / slow;
@@ -155,7 +155,7 @@ pub(super) fn angle<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     let (la, lb) = (length(a), length(b));
     let (u, v) = (a.map(|x| x * lb), b.map(|x| x * la));
     let sum: [f64; D] = std::array::from_fn(|k| u[k] + v[k]);
-    2.0 * libm::atan2(length(difference(u, v)), length(sum))
+    2.0 * libm::atan2(distance(u, v), length(sum))
 }
 
 fn size_of<const D: usize>(piece: &CurveSegment<D>) -> f64 {

@@ -2,7 +2,7 @@
 use super::edge_join::{CrossBoundary, EdgeMaximum, EdgePair, STEPS, largest};
 use super::nurbs_line::{NurbsBoundary, NurbsLine, SAMPLES};
 use crate::explicit::nurbs::{BezierNet, NurbsSurface, TrimmedSurface};
-use crate::math::{Box3, difference, greater, length, lesser};
+use crate::math::{Box3, distance, greater, lesser};
 
 /// The continuity across a line of one NURBS surface, or across a line at which two of them meet.
 ///
@@ -129,7 +129,7 @@ impl<'a> SurfaceSide<'a> {
     fn new(boundary: NurbsBoundary<'a>, line: NurbsLine, size: f64, is_flipped: bool) -> Self {
         let points: Vec<[f64; 3]> =
             (0..=SAMPLES).map(|k| boundary.jet(k as f64 / SAMPLES as f64).point).collect();
-        let long = points.windows(2).fold(0.0, |sum, pair| sum + length(difference(pair[1], pair[0])));
+        let long = points.windows(2).fold(0.0, |sum, pair| sum + distance(pair[1], pair[0]));
         let near = NEAR * long;
         let hull = Box3::from_points(&points);
         // Curves between samples bulge by less than the distance of the samples.
@@ -142,9 +142,8 @@ impl<'a> SurfaceSide<'a> {
     /// `None` if they do not meet.
     fn met(&self, other: &Self) -> Option<(NurbsBoundary<'a>, bool)> {
         let near = lesser(self.near, other.near);
-        let distance = |a: &NurbsBoundary<'_>, b: &NurbsBoundary<'_>, t: f64| {
-            length(difference(a.jet(t).point, b.jet(t).point))
-        };
+        let distance =
+            |a: &NurbsBoundary<'_>, b: &NurbsBoundary<'_>, t: f64| distance(a.jet(t).point, b.jet(t).point);
         // The same parameters, forwards or backwards: the usual case.
         let farthest = |candidate: &NurbsBoundary<'_>| {
             TRIES.iter().map(|t| distance(&self.boundary, candidate, *t)).fold(0.0, greater)
@@ -260,8 +259,8 @@ fn joined(sides: [NurbsBoundary<'_>; 2], lines: [NurbsLine; 2], size: f64) -> Nu
         for t in &steps {
             let [a, b] = edge.sides.each_ref().map(|side| side.jet(*t));
             // Both derivatives point into their own surfaces.
-            slopes = greater(length(difference(a.across, b.across.map(|x| -x))), slopes);
-            curves = greater(length(difference(a.bend, b.bend)), curves);
+            slopes = greater(distance(a.across, b.across.map(|x| -x)), slopes);
+            curves = greater(distance(a.bend, b.bend), curves);
         }
         match (slopes <= edge.roundings[0], curves <= edge.roundings[1]) {
             (false, _) => 0,
@@ -290,7 +289,7 @@ fn size_of(surface: &NurbsSurface) -> f64 {
 fn is_point(side: &NurbsBoundary<'_>, size: f64) -> bool {
     let first = side.jet(0.0).point;
     // Chosen: more than some roundings of evaluation.
-    TRIES.iter().all(|t| length(difference(side.jet(*t).point, first)) <= 1e-13 * size)
+    TRIES.iter().all(|t| distance(side.jet(*t).point, first) <= 1e-13 * size)
 }
 
 /// By parameter: the range of a surface's loops; everything without loops.

@@ -3,7 +3,7 @@
 use crate::budget::{Bound, Job, JobError, Reference, Tolerance, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::implicit::evaluation::SampleGrid;
-use crate::math::{add_up, cross, difference, dot, greater, length, lesser};
+use crate::math::{add_up, cross, difference, distance, dot, greater, length, lesser};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Proves that the surface on which the trilinear interpolant of samples changes its sign is within `max` of
@@ -366,8 +366,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
             }
             let CubeLattice { slack, .. } = self.lattice;
             let middle: [f64; 3] = std::array::from_fn(|k| (piece[0][k] + piece[1][k] + piece[2][k]) / 3.0);
-            let radius =
-                piece.iter().fold(0.0, |most, p| greater(length(difference(*p, middle)), most)) + slack;
+            let radius = piece.iter().fold(0.0, |most, p| greater(distance(*p, middle), most)) + slack;
             // A small piece is compared with the values around its middle, a large one with its plane.
             let bound = if radius < 0.5 * self.max {
                 let around = || self.signs_around(middle, radius);

@@ -4,7 +4,9 @@ use super::sweep::frame_spline::{FrameSpline, FramedPath};
 use super::sweep::moving_frame::{path_jet, pieces, unit_across};
 use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance, par_map};
 use crate::explicit::nurbs::{EnclosedPiece, HEAVIEST, InvalidNurbs, NurbsCurve, NurbsSurface};
-use crate::math::{add_up, cross, difference, dot, flushes_subnormals, greater, length, mul_up, sub_down};
+use crate::math::{
+    add_up, cross, difference, distance, dot, flushes_subnormals, greater, length, mul_up, sub_down,
+};
 
 /// A path, and how a profile is placed on it.
 #[derive(Clone, Debug, PartialEq)]
@@ -190,7 +192,7 @@ fn refuse_extremes(curves: &[&NurbsCurve<3>; 2]) -> Result<(), Failure<NurbsSurf
 
 fn extent(curve: &NurbsCurve<3>) -> f64 {
     let first = curve.control()[0];
-    curve.control().iter().fold(0.0, |far: f64, p| greater(length(difference(*p, first)), far))
+    curve.control().iter().fold(0.0, |far: f64, p| greater(distance(*p, first), far))
 }
 
 /// The path with its pieces and the up vector across it.

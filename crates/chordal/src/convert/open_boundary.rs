@@ -5,7 +5,7 @@
 //! theorem the solid angle of a surface changes like the Biot–Savart integral over its border,
 //! `∇w = 1/4π · ∮ (x − p) × dx / |x − p|³`, which is at most `1/4π · Σ length / distance²`.
 use crate::explicit::{Mesh, OpenEdge, open_edges};
-use crate::math::{add_up, difference, greater, length};
+use crate::math::{add_up, distance, greater};
 
 /// A ball of edges is opened if it is nearer than this many of its radii. Chosen: there its bound is too large by a
 /// factor of two at most.
@@ -81,8 +81,7 @@ impl OpenBoundary {
         let mut sum = 0.0;
         while let Some(index) = pending.pop() {
             let ball = self.balls[index as usize];
-            let distance =
-                length(difference(p, ball.centre)) / ROUNDED - ball.radius * ROUNDED - radius * ROUNDED;
+            let distance = distance(p, ball.centre) / ROUNDED - ball.radius * ROUNDED - radius * ROUNDED;
             if ball.children > 0 && distance < (OPENED - 1.0) * ball.radius {
                 pending.extend([ball.children - 1, ball.children]);
                 continue;
@@ -100,14 +99,14 @@ impl OpenBoundary {
 impl EdgeBall {
     fn around([a, b]: [[f64; 3]; 2], times: f64) -> Self {
         let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k]);
-        let (to_a, to_b) = (length(difference(centre, a)), length(difference(centre, b)));
+        let (to_a, to_b) = (distance(centre, a), distance(centre, b));
         let radius = ROUNDED * greater(to_a, to_b);
-        Self { centre, radius, length: ROUNDED * times * length(difference(a, b)), children: 0 }
+        Self { centre, radius, length: ROUNDED * times * distance(a, b), children: 0 }
     }
 
     fn around_both([a, b]: [Self; 2]) -> Self {
         let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * a.centre[k] + 0.5 * b.centre[k]);
-        let reach = |ball: Self| ROUNDED * add_up(length(difference(centre, ball.centre)), ball.radius);
+        let reach = |ball: Self| ROUNDED * add_up(distance(centre, ball.centre), ball.radius);
         let (reach_a, reach_b) = (reach(a), reach(b));
         Self {
             centre,

@@ -5,7 +5,7 @@ use super::fitting::point_path::PointPath;
 use super::fitting::spans::{SplineFit, SplineTruth, spline};
 use crate::budget::{Bounded, Failure, Job, Metric, Reference};
 use crate::explicit::{Bezier, Curve, CurveEnds};
-use crate::math::{difference, greater, length};
+use crate::math::{distance, greater};
 
 /// A path of few cubics within a distance of a sequence of points.
 ///
@@ -59,7 +59,7 @@ pub fn points_to_spline<const D: usize>(
 /// The largest distance between a point and the point of the cubic at its parameter.
 fn farthest_point<const D: usize>(points: &[[f64; D]], cubic: &Bezier<D>, parameters: &[f64]) -> f64 {
     let reach = greater(coordinate_reach(points), coordinate_reach(&cubic.control));
-    let distances = points.iter().zip(parameters).map(|(p, t)| length(difference(cubic.at(*t), *p)));
+    let distances = points.iter().zip(parameters).map(|(p, t)| distance(cubic.at(*t), *p));
     let larger = |most: f64, d: f64| if d.is_nan() { f64::INFINITY } else { greater(d, most) };
     // The rounding of an evaluation is a sixteenth of `rounding_at`, which is meant for chords; that of the distance is less.
     (distances.fold(0.0, larger) + rounding_at(reach)).next_up()

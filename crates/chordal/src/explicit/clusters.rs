@@ -1,7 +1,7 @@
 //! Clusters of neighbouring triangles with normal cones, and the parts of a mesh that face away from a
 //! viewer.
 use super::{Mesh, Triangle};
-use crate::math::{Orientation, difference, dot, greater, length, lesser, orient3d};
+use crate::math::{Orientation, difference, distance, dot, greater, length, lesser, orient3d};
 use std::ops::Range;
 
 /// The numbers of triangles that a viewer sees from the front, from the back, and edge-on.
@@ -129,7 +129,7 @@ fn cluster(mesh: &Mesh, faces: Range<usize>) -> Cluster {
         }
     }
     let centre = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
-    let radius = corners().map(|p| length(difference(p, centre))).fold(0.0, |m, d| greater(d, m));
+    let radius = corners().map(|p| distance(p, centre)).fold(0.0, |m, d| greater(d, m));
     // Triangles without area have no front.
     let normals: Vec<[f64; 3]> =
         faces.clone().filter_map(|face| Triangle::from_face(mesh, face).normal()).collect();

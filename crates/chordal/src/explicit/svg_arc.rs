@@ -18,7 +18,7 @@
 //! longer radius.
 use super::Arc;
 use super::arc::{ChordForm, InvalidArc};
-use crate::math::{DoubleDouble, add_up, greater, lesser, mul_up};
+use crate::math::{DoubleDouble, add_up, greater, length, lesser, mul_up};
 
 /// The shape of an arc between two points, with the parameters of SVG.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,7 +189,7 @@ impl Arc<2> {
             if difference.hi > 0.0 { (difference.hi, 1.0) } else { (0.0, square.hi.sqrt()) };
         let half_chord = if grown > 1.0 { 1.0 } else { square.hi.sqrt() };
         let p = [turned[0].hi / grown, turned[1].hi / grown];
-        let length = (p[0] * p[0] + p[1] * p[1]).sqrt();
+        let length = length(p);
         // Chosen: below, squares lose digits.
         if square.hi < 1e-290 {
             return Err(InvalidArc);

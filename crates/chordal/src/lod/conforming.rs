@@ -7,7 +7,7 @@ use crate::budget::{
     par_map,
 };
 use crate::explicit::{Mesh, Topology};
-use crate::math::{Box3, difference, greater, length, lesser};
+use crate::math::{Box3, distance, greater, lesser};
 use std::collections::BTreeMap;
 
 /// Meshes, each with its bound.
@@ -336,7 +336,7 @@ impl<'a> InterfaceComplex<'a> {
         for mesh in self.interfaces.iter().map(|interface| &interface.mesh) {
             for face in 0..mesh.faces().len() {
                 let [a, b, c] = mesh.corners(face);
-                sum += [[a, b], [b, c], [c, a]].map(|[p, q]| length(difference(q, p))).iter().sum::<f64>();
+                sum += [[a, b], [b, c], [c, a]].map(|[p, q]| distance(q, p)).iter().sum::<f64>();
                 n += 3.0;
             }
         }

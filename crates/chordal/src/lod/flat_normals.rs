@@ -1,6 +1,6 @@
 //! Flat shading: normals that equal those of the faces, and are recomputed for the remaining faces.
 use crate::explicit::{Attribute, Domain, Mesh, Semantic};
-use crate::math::{cross, difference, dot, greater};
+use crate::math::{cross, difference, dot, greater, length};
 
 /// The largest angle between a normal and that of its face that counts as equal: 5°. Chosen: for normals in
 /// eight bits per component and positions in f32.
@@ -57,7 +57,7 @@ pub(super) fn updated_normal(
 ) -> [f64; 3] {
     let [had, ..] = corner_normals(mesh, attribute, face);
     let face_normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
-    let size = dot(face_normal, face_normal).sqrt();
+    let size = length(face_normal);
     let now = face_normal.map(|x| x / size);
     // NaN if the face has no area.
     let turned = size > 0.0 && (0..3).any(|k| (now[k] - had[k]).abs() > ONE);

@@ -5,7 +5,7 @@ use super::{Picture, render};
 use crate::budget::{Camera, Job, JobError, Projection, Refusal, RefusalCode};
 use crate::check::curves::{Tooth, curvature_comb};
 use crate::explicit::{Curve, Mesh};
-use crate::math::{Box3, difference, greater, length};
+use crate::math::{Box3, difference, distance, greater, length};
 
 /// A picture of the curvature combs of paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +75,7 @@ pub fn render_comb(paths: &[Curve<2>], options: &RenderOptions, job: &Job) -> Re
         Projection::Orthographic { height } => height,
         Projection::Perspective { fov_y_deg } => {
             let half = 0.5 * fov_y_deg.to_radians();
-            2.0 * length(difference(camera.target, camera.eye)) * libm::tan(half)
+            2.0 * distance(camera.target, camera.eye) * libm::tan(half)
         }
     };
     let pixel = seen_height / f64::from(camera.screen.height_px.max(1));

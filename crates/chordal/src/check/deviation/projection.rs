@@ -1,6 +1,8 @@
 //! `SubtriangleProjection`: projects a piece and points near it along the piece's normal.
 use super::subtriangle::MeshSubtriangle;
-use crate::math::{Orientation, cross, difference, dot, greater, length, lesser, orient2d, unit_and_length};
+use crate::math::{
+    Orientation, cross, difference, distance, dot, greater, length, lesser, orient2d, unit_and_length,
+};
 
 /// A projection; `piece` is the image of the piece, counter-clockwise.
 pub(super) struct SubtriangleProjection {
@@ -76,7 +78,7 @@ impl SubtriangleProjection {
     ) -> Option<f64> {
         let t = &self.piece;
         // The centre of the inscribed circle is the mean of the corners, each weighted by the side across.
-        let sides: [f64; 3] = std::array::from_fn(|k| length(difference(t[(k + 2) % 3], t[(k + 1) % 3])));
+        let sides: [f64; 3] = std::array::from_fn(|k| distance(t[(k + 2) % 3], t[(k + 1) % 3]));
         let around = sides[0] + sides[1] + sides[2];
         let centre: [f64; 2] =
             std::array::from_fn(|k| (sides[0] * t[0][k] + sides[1] * t[1][k] + sides[2] * t[2][k]) / around);

@@ -1,5 +1,5 @@
 //! `BorderTree`: the edges of a region in the plane, and the distance of points from them.
-use crate::math::{greater, length, lesser};
+use crate::math::{distance, greater, length, lesser};
 
 /// Edges in a leaf. Chosen: boxes of fewer cost more than they save.
 const IN_LEAF: usize = 4;
@@ -29,10 +29,6 @@ pub(super) fn nearest([a, b]: [[f64; 2]; 2], p: [f64; 2]) -> [f64; 2] {
     }
     // NaN, for an edge without length, is not above 0 either.
     if t > 0.0 { [a[0] + t * d[0], a[1] + t * d[1]] } else { a }
-}
-
-pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    length([a[0] - b[0], a[1] - b[1]])
 }
 
 impl BorderTree {

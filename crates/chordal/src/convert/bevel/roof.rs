@@ -3,11 +3,11 @@
 //! The height at a point is its distance to the border, and no more than the bevel's width. It is a minimum of distances
 //! to edges. These are convex functions, which bounds the height above the plane through a triangle's corners, and they
 //! are above linear functions, which bounds the height below it.
-use super::border::{BorderTree, distance, nearest};
+use super::border::{BorderTree, nearest};
 use super::plane::PlaneTriangulation;
 use crate::budget::{Failure, Job, RefusalCode};
 use crate::explicit::Mesh;
-use crate::math::{difference, dot, greater, length, lesser};
+use crate::math::{difference, distance, dot, greater, length, lesser};
 
 /// The error, as a share of a length, that computed distances may have. Chosen: far above rounding, and too small to be
 /// seen; points that are placed by it are no part of the proof.

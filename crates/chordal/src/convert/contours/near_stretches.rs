@@ -1,7 +1,7 @@
 //! The stretches of a line or a circle near another line or circle.
 use super::plane_function::PlaneCurve;
 use crate::math::elementary::{atan2, cos, sin};
-use crate::math::{dot, greater, lesser};
+use crate::math::{dot, greater, length, lesser};
 use std::f64::consts::{PI, TAU};
 
 impl PlaneCurve {
@@ -82,7 +82,7 @@ impl PlaneCurve {
             }
             (Self::Circle { centre, radius }, Self::Circle { centre: middle, radius: reach }) => {
                 let apart = [centre[0] - middle[0], centre[1] - middle[1]];
-                let far = dot(apart, apart).sqrt();
+                let far = length(apart);
                 let (least, most) = ((far - radius).abs(), far + radius);
                 if reach + slack < least || reach - slack > most {
                     return Some(Vec::new());

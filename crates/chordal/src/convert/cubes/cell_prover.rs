@@ -472,7 +472,7 @@ impl CellProver<'_> {
             }
             let slope = corners.gradient(t);
             // Measured: a root has a value of at most a millionth of the change over a cell.
-            let is_root = corners.at(t).abs() <= 1e-6 * dot(slope, slope).sqrt();
+            let is_root = corners.at(t).abs() <= 1e-6 * length(slope);
             if !is_root {
                 continue;
             }
@@ -508,7 +508,7 @@ impl CellProver<'_> {
     fn bracket(&self, cell: [usize; 3], at: [f64; 3]) -> Option<f64> {
         let slope = self.corners(cell).gradient([0, 1, 2].map(|k| at[k] - cell[k] as f64));
         let size = self.source.size();
-        let along = dot(slope, slope).sqrt();
+        let along = length(slope);
         // Exact powers of two, from a trillionth of a cell to a thousandth.
         let mut step = 1.0 / 1_099_511_627_776.0;
         while step < 1.0 / 1024.0 {

@@ -39,6 +39,7 @@ use super::octree::{HalvedCells, MOST_HALVINGS, OctreeCell};
 use super::rule::{Border, LatticeTransform, Polygonize};
 use super::source::SampleSource;
 use crate::implicit::Affine3;
+use crate::math::distance;
 
 /// The kind of an octree's vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -390,10 +391,7 @@ impl OctreeSurface<'_> {
     /// curve through them, so that many vertices on a finer face do not pull it there.
     fn centre(&self, cell: OctreeCell, number: u16, ring: &[OctreeVertex]) -> OctreeVertex {
         let places: Vec<[f64; 3]> = ring.iter().map(|vertex| vertex.within(cell)).collect();
-        let apart = |a: usize, b: usize| {
-            let d: [f64; 3] = std::array::from_fn(|k| places[a][k] - places[b][k]);
-            (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
-        };
+        let apart = |a: usize, b: usize| distance(places[a], places[b]);
         let n = places.len();
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for (at, place) in places.iter().enumerate() {

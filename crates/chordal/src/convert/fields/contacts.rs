@@ -3,7 +3,7 @@
 use super::field_sampler::FieldSampler;
 use crate::budget::{Job, OpenPlace, SurfaceContact};
 use crate::implicit::{Csg, Dual, Expr, Tape};
-use crate::math::{cross, difference, dot, greater, length};
+use crate::math::{cross, difference, distance, dot, greater, length};
 
 /// The most primitives near a place that are examined in pairs, the nearest to its middle first. Chosen: enough for all
 /// that stand along a wall.
@@ -176,7 +176,7 @@ impl<'a> ContactSearch<'a> {
     fn feet_on(&self, place: &OpenPlace, [p, q]: [usize; 2], at: [f64; 3]) -> Option<[PrimitiveFoot; 2]> {
         let [a, b] = [self.feet(p, &[at])?[0], self.feet(q, &[at])?[0]];
         let is_on = greater(a.distance.abs(), b.distance.abs()) <= NEAR * place.size;
-        (is_on && length(difference(at, place.at)) <= place.size).then_some([a, b])
+        (is_on && distance(at, place.at) <= place.size).then_some([a, b])
     }
 
     /// The contact of two primitives at the point to which steps from a start lead, if the surface of the solid passes there.

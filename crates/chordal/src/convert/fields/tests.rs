@@ -7,7 +7,7 @@ use crate::check::{self_intersections, validity};
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::evaluation::Unary;
 use crate::implicit::{Csg, Expr, Leaf, LeafError, Lipschitz, PrimitiveEvaluator, shapes};
-use crate::math::{Box3, cross, difference, dot, greater, length};
+use crate::math::{Box3, cross, difference, distance, dot, greater, length};
 use chordal_testkit::Random;
 use std::sync::Arc;
 
@@ -110,7 +110,7 @@ fn labelled(made: &ExtractedModel, name: &str) {
     for (k, (face, label)) in surface.faces.iter().zip(&surface.labels).enumerate() {
         let [a, b, c] = face.map(|v| surface.positions[v as usize]);
         let normal = cross(difference(b, a), difference(c, a));
-        let longest = length(difference(b, a)) + length(difference(c, a));
+        let longest = distance(b, a) + distance(c, a);
         // Normals of slivers are rounding errors.
         if length(normal) < 1e-6 * longest * longest {
             continue;
@@ -248,7 +248,7 @@ fn refining_makes_cells_small_where_it_is_asked_for() {
     assert!(grid.n_cells() > before && grid.n_cells() < 8 * before);
     let surface = extract(&grid, &job);
     assert_eq!(sound(&surface, "refined ball"), 0);
-    let near = |p: &[f64; 3]| length(difference(*p, [0.6, 0.0, 0.0])) < 0.02;
+    let near = |p: &[f64; 3]| distance(*p, [0.6, 0.0, 0.0]) < 0.02;
     let close: Vec<f64> =
         surface.positions.iter().zip(&surface.cell_sizes).filter(|(p, _)| near(p)).map(|(_, s)| *s).collect();
     assert!(close.len() > 3 && close.iter().all(|size| *size < 0.1));

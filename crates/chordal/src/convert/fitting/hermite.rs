@@ -8,7 +8,7 @@
 //! The fit proves nothing; the bound of the result is computed from its control points afterwards.
 use super::least_squares::solve;
 use crate::explicit::Bezier;
-use crate::math::{difference, dot, greater, length, lesser};
+use crate::math::{difference, distance, dot, greater, lesser};
 
 /// A cubic, and for each of the points its parameter on it.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ pub(crate) fn fit<const D: usize>(points: &[[f64; D]], directions: &[[f64; D]; 2
     let scaled: Vec<[f64; D]> =
         points.iter().map(|p| std::array::from_fn(|k| (p[k] - first[k]) / size)).collect();
     let mut places = chord_places(&scaled);
-    let total = scaled.windows(2).fold(0.0, |sum, pair| sum + length(difference(pair[1], pair[0])));
+    let total = scaled.windows(2).fold(0.0, |sum, pair| sum + distance(pair[1], pair[0]));
     let problem = HermiteProblem { points: scaled, directions, total };
     let mut handles = [total / 3.0; 2];
     let mut cost = problem.cost(&handles, &mut places);
@@ -85,7 +85,7 @@ fn chord_places<const D: usize>(points: &[[f64; D]]) -> Vec<f64> {
     let mut sum = 0.0;
     let mut places = vec![0.0];
     for pair in points.windows(2) {
-        sum += length(difference(pair[1], pair[0]));
+        sum += distance(pair[1], pair[0]);
         places.push(sum);
     }
     places.iter().map(|x| if sum > 0.0 { x / sum } else { 0.0 }).collect()
@@ -181,6 +181,7 @@ pub(crate) fn foot<const D: usize>(cubic: &Bezier<D>, point: [f64; D], near: f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::length;
 
     #[test]
     fn a_quarter_of_a_circle_is_met_better_than_by_the_usual_handles() {
@@ -205,7 +206,7 @@ mod tests {
         let directions = [cubic.tangent(0.0), cubic.tangent(1.0)].map(|t| t.map(|x| x / length(t)));
         let fitted = fit(&points, &directions);
         for (p, q) in cubic.control.iter().zip(fitted.cubic.control) {
-            assert!(length(difference(*p, q)) < 1e-5, "{p:?} {q:?}");
+            assert!(distance(*p, q) < 1e-5, "{p:?} {q:?}");
         }
     }
 }

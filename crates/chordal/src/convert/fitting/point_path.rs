@@ -2,7 +2,7 @@
 use super::least_squares::solve;
 use crate::budget::{Failure, RefusalCode};
 use crate::convert::curves::flatten::LARGEST;
-use crate::math::{difference, dot, greater, length};
+use crate::math::{difference, distance, dot, greater, length};
 use std::ops::Range;
 
 /// The corners of a path through points, at which it is not smooth.
@@ -81,7 +81,7 @@ impl<const D: usize> PointPath<D> {
         }
         let mut sum = 0.0;
         for pair in path.points.windows(2) {
-            sum += length(difference(pair[1], pair[0]));
+            sum += distance(pair[1], pair[0]);
             path.lengths.push(sum);
         }
         Ok(path)

@@ -3,7 +3,7 @@ use super::hermite::{fit, foot};
 use super::point_path::PointPath;
 use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::explicit::{Bezier, Curve, CurveSegment};
-use crate::math::{difference, greater, length, lesser};
+use crate::math::{difference, distance, greater, length, lesser};
 
 pub use super::point_path::Corners;
 
@@ -207,7 +207,7 @@ impl<const D: usize> SpanSearch<'_, D> {
     /// A cubic over one segment, with handles of a third of the segment, which are halved until it is allowed.
     fn one_segment(&self, points: &[[f64; D]], [u, v]: &[[f64; D]; 2]) -> (Bezier<D>, f64) {
         let (a, b) = (points[0], points[1]);
-        let mut handle = length(difference(b, a)) / 3.0;
+        let mut handle = distance(b, a) / 3.0;
         // A handle of 2⁻⁵² of a segment is lost in its rounding.
         for _ in 0..52 {
             let start = std::array::from_fn(|k| a[k] + handle * u[k]);

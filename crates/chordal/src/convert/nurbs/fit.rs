@@ -3,7 +3,7 @@ use super::fit_error::ProductFactors;
 use crate::budget::{Job, par_map};
 use crate::explicit::Patch;
 use crate::explicit::nurbs::{BernsteinRow, BezierNet, NurbsSurface, SurfaceJet};
-use crate::math::{difference, greater, length, lesser};
+use crate::math::{distance, greater, lesser};
 
 /// Patches near a surface, and a bound for their distance from it.
 pub(in crate::convert) struct FittedSurface {
@@ -232,10 +232,6 @@ impl<'a> SurfaceFitter<'a> {
             [error_at(0.5, 0.0), error_at(0.5, 1.0), error_at(0.0, 0.5), error_at(1.0, 0.5)];
         [greater(bottom, top), greater(left, right)]
     }
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    length(difference(a, b))
 }
 
 fn point(x: &[f64; 4]) -> [f64; 3] {

@@ -8,7 +8,7 @@ use super::trim_loops::{TrimEdge, TrimPoint, TrimPolygons};
 use crate::budget::{Job, par_map};
 use crate::explicit::nurbs::BezierNet;
 use crate::explicit::{BoxTree, BoxTreeNode};
-use crate::math::{Box3, difference, greater, length, lesser};
+use crate::math::{Box3, distance, greater, lesser};
 use std::collections::BTreeMap;
 
 /// Steps of a golden-section search. Chosen: each keeps 0.618 of an interval, so that a ten-millionth remains.
@@ -317,8 +317,4 @@ impl TrimmedFace<'_> {
         let Some(common) = self.prepared.lattice.cells.common_rectangle(ends) else { return at };
         [0, 1].map(|k| lesser(greater(at[k], common[k][0]), common[k][1]))
     }
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    length(difference(a, b))
 }

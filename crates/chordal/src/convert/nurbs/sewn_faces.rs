@@ -6,7 +6,7 @@
 use super::sew::{SewnVertices, TrimmedFace};
 use super::trim_cells::FaceTriangles;
 use crate::explicit::DisjointSets;
-use crate::math::{Box3, difference, length};
+use crate::math::{Box3, distance};
 use std::collections::BTreeMap;
 
 /// In a face that would vanish, vertices within this fraction of its diagonal are one place. Chosen: far above rounding,
@@ -30,7 +30,7 @@ pub(super) fn same_vertices(
 ) -> Vec<u32> {
     let (first, mut unions) = (&sewn.first, sewn.near.clone());
     let positions: Vec<[f64; 3]> = faces.iter().flat_map(|face| face.positions.iter().copied()).collect();
-    let distance = |a: u32, b: u32| length(difference(positions[a as usize], positions[b as usize]));
+    let distance = |a: u32, b: u32| distance(positions[a as usize], positions[b as usize]);
     let mut sets = DisjointSets::new(positions.len());
     unions.iter().for_each(|[a, b]| sets.union(*a, *b));
     let mut same: Vec<u32> = (0..positions.len() as u32).map(|vertex| sets.find(vertex)).collect();

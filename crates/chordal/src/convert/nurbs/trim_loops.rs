@@ -17,7 +17,7 @@ use super::face_lattice::FaceLattice;
 use crate::explicit::nurbs::{BernsteinRow, NurbsSurface};
 use crate::explicit::polygons::winding_number;
 use crate::explicit::{Arc, Curve, CurveSegment};
-use crate::math::{Orientation, greater, lesser, orient2d, power_of_two};
+use crate::math::{Orientation, greater, length, lesser, orient2d, power_of_two};
 use std::f64::consts::FRAC_PI_2;
 
 /// Halvings of a loop's piece. Chosen: after more, its parameters are next to each other.
@@ -376,7 +376,7 @@ fn distance_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let part = if square > 0.0 { (to[0] * along[0] + to[1] * along[1]) / square } else { 0.0 };
     let part = if part > 0.0 { lesser(part, 1.0) } else { 0.0 };
     let across = [to[0] - part * along[0], to[1] - part * along[1]];
-    (across[0] * across[0] + across[1] * across[1]).sqrt()
+    length(across)
 }
 
 /// The most edges among which a crossing is sought, for a message about wrong loops. Chosen: all pairs of so many take

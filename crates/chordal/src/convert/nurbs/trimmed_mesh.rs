@@ -11,7 +11,7 @@ use crate::budget::{Failure, Job, RefusalCode, par_map, par_map_owned};
 use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
 use crate::explicit::Mesh;
 use crate::explicit::nurbs::TrimmedSurface;
-use crate::math::{Box3, difference, greater, length};
+use crate::math::{Box3, distance, greater};
 use glam::DVec3;
 
 /// The shares of a length for patches, loops and sewing. Chosen: the number of triangles is inverse to the rest of the
@@ -237,9 +237,8 @@ fn bounded_face(
     let normals =
         triangles.vertices.iter().map(|at| turned(lattice.normal(*at).unwrap_or_default())).collect();
     // A few roundings of a length.
-    let moved: Vec<f64> = (0..n_border)
-        .map(|k| length(difference(positions[k], targets[k])) * (1.0 + 8.0 * f64::EPSILON))
-        .collect();
+    let moved: Vec<f64> =
+        (0..n_border).map(|k| distance(positions[k], targets[k]) * (1.0 + 8.0 * f64::EPSILON)).collect();
     let shift = |corners: &[u32]| {
         let moves = corners.iter().filter_map(|k| moved.get(*k as usize));
         moves.fold(0.0, |most: f64, moved| greater(*moved, most))

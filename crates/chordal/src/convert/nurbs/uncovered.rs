@@ -1,7 +1,7 @@
 //! The distance from a mesh of those parts of faces that have no triangle in it: triangles that sewing made flat, and
 //! edges of loops that enclose nothing.
 use crate::explicit::DisjointSets;
-use crate::math::{difference, greater, length, lesser};
+use crate::math::{distance, greater, lesser};
 use std::collections::BTreeMap;
 
 /// The most vertices of a mesh for a search of the nearest. Chosen: any vertex gives a bound.
@@ -44,15 +44,14 @@ pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64;
     let mut components: BTreeMap<u32, LooseComponent> = BTreeMap::new();
     for [a, b, c] in open {
         let component = components.entry(sets.find(a)).or_default();
-        let side = |a: u32, b: u32| length(difference(positions[a as usize], positions[b as usize]));
-        // A walk crosses each triangle once, by no more than its longest side.
+        let side = |a: u32, b: u32| distance(positions[a as usize], positions[b as usize]);
         component.longest_walk += greater(greater(side(a, b), side(b, c)), side(c, a));
         component.is_attached |= [a, b, c].into_iter().any(|vertex| has([vertex, vertex]));
         component.vertex = a;
     }
     let step = mesh.len().div_ceil(MOST_COMPARED).max(1);
     let to_mesh = |vertex: u32| {
-        let to = |other: u32| length(difference(positions[vertex as usize], positions[other as usize]));
+        let to = |other: u32| distance(positions[vertex as usize], positions[other as usize]);
         mesh.iter().step_by(step).map(|t| to(t[0])).fold(f64::INFINITY, lesser)
     };
     let farthest = components.values().fold(0.0, |farthest: f64, component| {

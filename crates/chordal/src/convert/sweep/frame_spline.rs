@@ -7,7 +7,7 @@ use super::moving_frame::{
     PathJet, VectorJet, angle_about, frame_jet, part_length, path_jet, transported, turned, unit, unit_across,
 };
 use crate::explicit::nurbs::{BernsteinRow, InvalidNurbs, KnotVector, NurbsCurve};
-use crate::math::{cross, difference, dot, length};
+use crate::math::{cross, distance, dot, length};
 
 /// The degree of fitted splines.
 const QUINTIC: usize = 5;
@@ -160,8 +160,7 @@ impl FramedPath<'_> {
         let all = pieces.iter().flat_map(|piece| piece.control().as_flattened());
         let reach = all.fold(0.0, |most: f64, x| crate::math::greater(x.abs(), most));
         // Chosen: some roundings, and the error of a direction with ten digits in a file.
-        length(difference(to.point, from.point)) <= 1e-12 * reach
-            && length(difference(to.tangent[0], from.tangent[0])) <= 1e-9
+        distance(to.point, from.point) <= 1e-12 * reach && distance(to.tangent[0], from.tangent[0]) <= 1e-9
     }
 }
 

@@ -22,7 +22,7 @@ use super::compatible::compatible_slack;
 use super::curve::scaled_weights;
 use super::knots::{InvalidNurbs, KnotVector};
 use super::{NurbsCurve, NurbsSurface, binomials, compatible};
-use crate::math::{difference, greater, length};
+use crate::math::{distance, greater};
 
 /// Ends of curves meet if they are this close, relative to the largest coordinate. Chosen: the rounding of
 /// files with ten digits.
@@ -70,7 +70,7 @@ impl NurbsSurface {
         let mut gap = 0.0;
         for (j, row) in corners.iter().enumerate() {
             for (i, corner) in row.iter().enumerate() {
-                let apart = length(difference(end(&d[i], j), *corner));
+                let apart = distance(end(&d[i], j), *corner);
                 if apart > MEET * reach {
                     return Err(InvalidNurbs::Corner { corner: i + 2 * j, gap: apart, limit: MEET * reach });
                 }

@@ -18,7 +18,7 @@ use super::interpolate::{averaged_knots, solved};
 use super::knots::{InvalidNurbs, KnotVector};
 use super::{NurbsCurve, NurbsSurface, compatible};
 use crate::explicit::CurveEnds;
-use crate::math::{difference, greater, length, lesser};
+use crate::math::{distance, greater, length, lesser};
 
 /// The most sections of a closed loft, whose matrix is not banded. Chosen: a second of one slow core.
 const MOST_AROUND: usize = 1000;
@@ -123,8 +123,7 @@ fn clamped_knots(knots: &KnotVector) -> Result<KnotVector, InvalidNurbs> {
 fn mean_chords(sections: &[NurbsCurve<3>], ends: CurveEnds) -> Vec<f64> {
     let n = sections.len();
     let n_chords = if ends == CurveEnds::Closed { n } else { n - 1 };
-    let chord =
-        |i: usize, k: usize| length(difference(sections[(k + 1) % n].control()[i], sections[k].control()[i]));
+    let chord = |i: usize, k: usize| distance(sections[(k + 1) % n].control()[i], sections[k].control()[i]);
     let mut sums = vec![0.0; n_chords];
     for i in 0..sections[0].control().len() {
         let chords: Vec<f64> = (0..n_chords).map(|k| chord(i, k)).collect();

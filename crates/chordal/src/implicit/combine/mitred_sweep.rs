@@ -10,7 +10,7 @@
 //! both others are 0, part of the inside.
 use crate::implicit::shapes::{InvalidShape, finite_point, plane};
 use crate::implicit::{Distance, DistanceQuality, Field};
-use crate::math::{Box3, add_down, add_up, cross, difference, dot, greater, length, lesser};
+use crate::math::{Box3, add_down, add_up, cross, difference, distance, dot, greater, length, lesser};
 
 /// The most straight pieces of a path. Chosen: each holds another copy of the shape.
 const MOST_PIECES: usize = 1024;
@@ -147,7 +147,7 @@ impl Field {
             let back = frame.next(joint(n_pieces - 1, 0)?, directions[0]);
             let first = pieces[0].frame;
             // A unit vector that is turned by φ moves by 2 sin(φ / 2).
-            let turned = greater(length(difference(back.x, first.x)), length(difference(back.y, first.y)));
+            let turned = greater(distance(back.x, first.x), distance(back.y, first.y));
             if turned > TURNED {
                 return wrong(format!(
                     "the closed path lies in no plane, and the shape comes back turned by {:.3} degrees",

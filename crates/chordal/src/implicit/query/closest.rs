@@ -2,7 +2,7 @@
 use super::super::{Dual, LeafError};
 use super::octree::{FieldOctree, FieldOctreeError};
 use crate::budget::{Job, par_map};
-use crate::math::{Box3, Interval, dot, greater, lesser, unit};
+use crate::math::{Box3, Interval, dot, greater, length, lesser, unit};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
@@ -142,7 +142,7 @@ impl FieldClosestSearch<'_> {
             let gap = greater(below, above);
             greater(gap, 0.0)
         });
-        dot(offset, offset).sqrt() * (1.0 - 8.0 * f64::EPSILON)
+        length(offset) * (1.0 - 8.0 * f64::EPSILON)
     }
 
     /// Walks from a point to the surface and along it towards the query, and keeps the bracket if it is
@@ -222,7 +222,7 @@ impl FieldClosestSearch<'_> {
         let distance = |p: [f64; 3]| {
             let offset: [f64; 3] = std::array::from_fn(|k| p[k] - self.point[k]);
             // Rounded up: a length has six roundings.
-            dot(offset, offset).sqrt() * (1.0 + 8.0 * f64::EPSILON)
+            length(offset) * (1.0 + 8.0 * f64::EPSILON)
         };
         let (to_a, to_b) = (distance(a), distance(b));
         let at_most = greater(to_a, to_b);

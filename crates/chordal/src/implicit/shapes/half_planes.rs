@@ -11,7 +11,7 @@
 //! corner in a direction in which both rays leave.
 use super::contours::ContourEdge;
 use crate::implicit::Expr;
-use crate::math::{Orientation, dot_sign, greater, orient2d};
+use crate::math::{Orientation, dot_sign, greater, length, orient2d};
 use std::cmp::Ordering;
 
 /// The most edges of a contour. Defined: finding the corners takes the square of their number at worst.
@@ -172,7 +172,7 @@ impl PolygonChain<'_> {
         let edge = |k: usize| {
             let (a, b) = (self.corners[k], self.corners[k + 1]);
             let along = [b[0] - a[0], b[1] - a[1]];
-            let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
+            let length = length(along);
             along.map(|x| x / length)
         };
         let (first, last) = (edge(from), edge(to - 1));
@@ -272,7 +272,7 @@ fn half_plane([a, b]: [PlanarPoint; 2], [x, y]: [&Expr; 2]) -> Expr {
     if along[1] == 0.0 {
         return if along[0] > 0.0 { Expr::constant(a[1]) - y } else { y - a[1] };
     }
-    let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
+    let length = length(along);
     let normal = [along[1] / length, -along[0] / length];
     (x - a[0]) * normal[0] + (y - a[1]) * normal[1]
 }
