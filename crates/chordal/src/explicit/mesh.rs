@@ -1,5 +1,4 @@
 //! `Mesh`: triangles over an indexed list of positions, with attribute streams.
-use super::twins::MAX_HALF_EDGES;
 use crate::math::Box3;
 use std::fmt;
 
@@ -65,6 +64,9 @@ impl Attribute {
         &self.values[index * self.width..][..self.width]
     }
 }
+
+/// The most half-edges that a mesh may have: the upper half of `u32` is used for flags and states.
+const MAX_HALF_EDGES: usize = (1 << 31) - 4;
 
 /// Triangles: `faces` is m × 3, indices into `positions`, n × 3, all finite. The front is counter-clockwise.
 ///

@@ -1,4 +1,5 @@
 //! Explicit shapes: points that can be listed and drawn. All operations here are exact.
+mod affine_map;
 mod arc;
 mod bezier;
 mod bvh;
@@ -26,7 +27,6 @@ mod polyline;
 mod polynomial;
 mod quad;
 mod segment_pair;
-mod shared_sides;
 pub mod spline;
 mod svg_arc;
 mod tangents;
@@ -35,6 +35,7 @@ mod triangle;
 pub mod triangulate;
 mod twins;
 
+pub(crate) use affine_map::AffineMap;
 pub use arc::Arc;
 pub(crate) use arc::ArcPart;
 pub use bezier::Bezier;
@@ -53,7 +54,6 @@ pub(crate) use closest_point::SurfaceTree;
 pub(crate) use closest_point::box_tree::{BoxTree, BoxTreeNode};
 pub(crate) use corner_block::{BLOCK, CornerBlock, Lanes};
 pub use curve::{Curve, CurveEnds, InvalidCurve};
-pub(crate) use curve_segment::AffineMap;
 pub use curve_segment::CurveSegment;
 pub(crate) use disjoint_sets::DisjointSets;
 #[allow(unused_imports, reason = "used by what is not called yet")]
@@ -64,11 +64,10 @@ pub use normals::{NormalWeight, Shading, face_normal, smooth_normals, vertex_nor
 pub use order::{acmr, cache_misses, cache_order, fetch_order};
 pub use outline::{FillRule, Outline};
 pub use patch::Patch;
-pub(crate) use patch::PatchSide;
+pub(crate) use patch::{PatchEdgeUse, PatchSide, shared_sides};
 pub use polyline::Polyline;
 pub(crate) use quad::{Diagonal, Quad};
 pub(crate) use segment_pair::closest_on_segments;
-pub(crate) use shared_sides::{PatchEdgeUse, shared_sides};
 pub use tangents::with_tangents;
 pub use topology::{Topology, position_id_by_bits};
 pub use triangle::{Triangle, corner_rows, interpolate};
@@ -81,10 +80,11 @@ pub mod adjacency {
 
 /// The mathematics of curve pieces and patches.
 pub mod parametric {
+    pub use super::affine_map::AffineMap;
     pub use super::arc::InvalidArc;
     pub use super::bezier::{DeCasteljau, bernstein};
     pub use super::continuity::Continuity;
-    pub use super::curve_segment::AffineMap;
+
     pub use super::patch::PatchSide;
     pub use super::patch_grid::PatchGrid;
     pub use super::polynomial::Polynomial;

@@ -1,12 +1,14 @@
 //! Normals of triangles, and of vertices from the triangles around them.
 mod angle;
+mod corner_terms;
 mod lanes;
 mod shading;
 mod smooth;
 
+pub use corner_terms::NormalWeight;
 pub(crate) use shading::with_vertex_normals;
 pub use shading::{Shading, with_normals};
-pub use smooth::{NormalWeight, smooth_normals};
+pub use smooth::smooth_normals;
 
 use super::Mesh;
 use glam::DVec3;

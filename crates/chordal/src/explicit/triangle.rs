@@ -3,10 +3,10 @@
 //!
 //! Differences of coordinates are exact here, and products have twice the digits of f64. So the weights and
 //! areas of thin triangles far from the origin keep their digits.
-use super::triangulate::unit_scale;
 use super::{Attribute, Domain, Mesh, face_normal};
 use crate::math::{
     DoubleDouble, Orientation, PointInTriangle, greater, lesser, orient2d, orient3d, triangle_contains,
+    unit_scale,
 };
 
 /// Three corners in D dimensions; the front is counter-clockwise.

@@ -11,7 +11,7 @@ mod holes;
 mod other_cut;
 
 use crate::explicit::{Diagonal, Quad};
-use crate::math::{cross, greater, lesser};
+use crate::math::{cross, greater, lesser, unit_scale};
 use ears::EarClipper;
 use robust::{Coord, orient2d};
 
@@ -204,17 +204,6 @@ fn scale_of(points: &[[f64; 3]]) -> f64 {
     // 2^±250 ≈ 1e±75: squares of sums, and their rounding errors, stay inside the range of f64 (2^±1022).
     let (low, high) = (f64::from_bits((1023 - 250) << 52), f64::from_bits((1023 + 250) << 52));
     if scale >= low && scale <= high { 1.0 } else { scale }
-}
-
-/// A power of two that scales the largest coordinate to near 1.
-pub(super) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
-    let largest = points.iter().flatten().fold(0.0_f64, |largest, x| greater(x.abs(), largest));
-    let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i64 - 1023;
-    if largest == 0.0 {
-        return 1.0;
-    }
-    // Both ends of the range have a reciprocal that is a normal number: 2^-1022 and 2^1023.
-    f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
 }
 
 /// Twice the polygon's vector area (Newell's normal), after scaling.

@@ -2,9 +2,6 @@
 use super::{Mesh, Topology};
 use crate::math::lesser;
 
-/// The most half-edges that a mesh may have: the upper half of `u32` is used for flags and states.
-pub(super) const MAX_HALF_EDGES: usize = (1 << 31) - 4;
-
 /// The neighbour across a half-edge.
 ///
 /// Half-edge `3·face + k` runs from corner `k` of the face to corner `k + 1`.

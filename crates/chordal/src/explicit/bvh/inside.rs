@@ -1,8 +1,7 @@
 //! `Enclosure`: point location in a mesh, closed, open or broken, with its certainty.
-use super::batch::each;
 use super::lids::Lids;
 use super::winding::{ClusterMoments, WindingNumber, leaf_rows, moments};
-use super::{Bvh, LEAF, NONE, STACK, WIDTH};
+use super::{Bvh, LEAF, NONE, STACK, WIDTH, each};
 use crate::budget::Job;
 use crate::explicit::{Mesh, Topology, Twin, Twins};
 use crate::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};

@@ -8,6 +8,7 @@ mod quads;
 mod refinement;
 mod refinement_step;
 mod rows;
+mod sharpness;
 mod stencils;
 mod texcoords;
 mod triangles;

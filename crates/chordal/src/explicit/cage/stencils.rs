@@ -1,7 +1,7 @@
 //! One precomputed round of Catmull–Clark or bilinear refinement over any polygons: stencil weights that do
 //! not depend on the values at the vertices.
 use super::edges::{CageEdges, VertexIncidence};
-use super::refinement_step::CageSharpness;
+use super::sharpness::CageSharpness;
 use super::values::{Real, WideSum, add, chunks, mid, scaled};
 use super::vertex_rule::{RuleBlend, VertexRule, crease_weight};
 use super::{Cage, FaceSizes, Scheme};

@@ -10,7 +10,7 @@
 //! Source: the rules are those of OpenSubdiv for face-varying data (its
 //! `Sdc::Options::FVarLinearInterpolation`, and `vtr/fvarLevel.cpp` for their meaning).
 use super::edges::{CageEdges, VertexIncidence, csr_lists, csr_row};
-use super::refinement_step::{CageSharpness, is_hole, n_fans};
+use super::sharpness::{CageSharpness, is_hole, n_fans};
 use super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Scheme};
 use crate::math::greater;
 

@@ -1,7 +1,7 @@
 //! The normals and angles of a block of faces at once, bit-identical to
-//! [`corner_terms`](super::smooth::corner_terms).
+//! [`corner_terms`].
 use super::angle::angle_in_lane;
-use super::smooth::{NormalWeight, corner_terms};
+use super::corner_terms::{NormalWeight, corner_terms};
 use crate::explicit::{BLOCK, CornerBlock, Lanes, Mesh};
 use crate::math::greater;
 use crate::math::simd::Kernel;
@@ -13,7 +13,7 @@ use std::ops::Range;
 pub(super) struct AngleSumKernel<'a> {
     pub mesh: &'a Mesh,
     pub faces: Range<usize>,
-    /// The scale of the mesh, [`scale_of`](super::smooth::scale_of).
+    /// The scale of the mesh, `scale_of`.
     pub scale: f64,
     pub sums: &'a mut [[f64; 3]],
 }

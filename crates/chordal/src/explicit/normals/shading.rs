@@ -1,11 +1,12 @@
 //! Normals for shading: flat, smooth, or smooth up to hard edges.
 use super::angle::angle_of;
+use super::corner_terms::{NormalWeight, corner_terms, unit_or_zero};
 use super::face_normal;
-use super::smooth::{NormalWeight, corner_terms, scale_of, smooth_normals, unit_or_zero};
+use super::smooth::{scale_of, smooth_normals};
 use crate::explicit::{
     Attribute, DisjointSets, Domain, InvalidMesh, Mesh, Semantic, Topology, Twin, Twins, next_in_face,
 };
-use crate::math::dot;
+use crate::math::{dot, length};
 use std::collections::BTreeMap;
 
 /// The parts of a surface that are shaded smoothly.
@@ -79,7 +80,7 @@ pub fn with_normals(mesh: &Mesh, topology: Topology, shading: Shading) -> Result
                 let (p, q) = (normals[f as usize], normals[g as usize]);
                 // Sine and cosine, since the cosine alone hardly distinguishes small angles.
                 let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-                p != [0.0; 3] && q != [0.0; 3] && angle_of(dot(p, q), dot(cross, cross).sqrt()) <= angle_rad
+                p != [0.0; 3] && q != [0.0; 3] && angle_of(dot(p, q), length(cross)) <= angle_rad
             };
             creased(mesh, topology, (weight, &is_soft))
         }

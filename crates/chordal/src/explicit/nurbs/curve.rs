@@ -1,8 +1,9 @@
 //! `NurbsCurve`: a rational B-spline curve of any degree.
 use super::knots::{InvalidNurbs, KnotVector};
-use super::{BernsteinRow, RationalBezier, binomials};
+use super::rational::quotient_derivatives;
+use super::{BernsteinRow, RationalBezier};
 use crate::explicit::{Bezier, Curve, CurveEnds, CurveSegment, InvalidCurve};
-use crate::math::{difference, exponent, greater, length, power_of_two};
+use crate::math::{distance, exponent, greater, power_of_two};
 
 /// A curve `Σ Nᵢ(t) wᵢ Pᵢ / Σ Nᵢ(t) wᵢ` of any degree, in the plane or in space.
 ///
@@ -150,7 +151,7 @@ impl<const D: usize> NurbsCurve<D> {
         let rounding = (4 * p + 8) as f64 * f64::EPSILON * D as f64 * reach;
         // A curve with periodic knots may miss its start by rounding.
         let n = self.knots.n_pieces();
-        let missed = length(difference(joint_of(n), joint_of(0)));
+        let missed = distance(joint_of(n), joint_of(0));
         let is_closed = missed <= rounding;
         let joint = |k: usize| if k == n && is_closed { joint_of(0) } else { joint_of(k) };
         let slack = if is_closed { rounding + 2.0 * missed } else { rounding };
@@ -188,39 +189,41 @@ impl<const D: usize> NurbsCurve<D> {
     }
 }
 
-/// The point of a rational piece at `t`, and its derivatives up to an order.
-pub(super) fn quotient_derivatives<const N: usize>(
-    points: &BernsteinRow<N>,
-    weights: &BernsteinRow<1>,
-    t: f64,
-    order: usize,
-) -> Vec<[f64; N]> {
-    let weights: Vec<f64> = (0..=order).map(|k| derivative(weights, k, t)[0]).collect();
-    // Leibniz' rule for the product of the curve with its denominator.
-    let mut derivatives: Vec<[f64; N]> = Vec::with_capacity(order + 1);
-    for k in 0..=order {
-        let binomial = binomials(k);
-        let mut sum = derivative(points, k, t);
-        for i in 1..=k {
-            for (x, lower) in sum.iter_mut().zip(derivatives[k - i]) {
-                *x -= binomial[i] * weights[i] * lower;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A knot beyond those that repeat at an end leaves a control point without influence.
+    #[test]
+    fn a_curve_starts_at_its_first_control_point_only_if_it_has_influence() {
+        for (p, knots) in [
+            (1, vec![-1.0, 0.0, 0.0, 1.0, 1.0]),
+            (1, vec![0.0, 0.0, 1.0, 1.0, 2.0]),
+            (2, vec![-1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0]),
+            (2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0]),
+        ] {
+            let is_first = knots[0] < 0.0;
+            let knots = KnotVector::new(p, knots).unwrap();
+            assert_eq!(knots.clamped_ends(), [!is_first, is_first]);
+            let mut control = vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]][..=p].to_vec();
+            control.insert(if is_first { 0 } else { p + 1 }, [50.0, 70.0]);
+            for weight in [1.0, 2.0] {
+                let mut weights = vec![1.0; p + 2];
+                weights[1] = weight;
+                let curve = NurbsCurve::new(knots.clone(), control.clone(), weights).unwrap();
+                let raised = curve.elevated(1).unwrap();
+                for other in [curve.to_curve().unwrap(), raised.to_curve().unwrap()] {
+                    for (t, there) in [(0.0, 0.0), (0.3, 0.3), (1.0, 1.0)] {
+                        let (a, b) = (curve.at(t), other.at(there));
+                        assert!((a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-12, "{p} {t} {a:?} {b:?}");
+                    }
+                }
             }
         }
-        derivatives.push(sum.map(|x| x / weights[0]));
+        let often = KnotVector::new(1, vec![0.0, 0.0, 0.0, 1.0, 1.0]).unwrap_err();
+        assert_eq!(
+            often.to_string(),
+            "knot 0 occurs more than 2 times, which is as often as degree 1 allows at an end"
+        );
     }
-    derivatives
-}
-
-/// The derivative of some order of a polynomial in Bernstein form.
-fn derivative<const N: usize>(row: &BernsteinRow<N>, order: usize, t: f64) -> [f64; N] {
-    let mut coefficients = row.0.clone();
-    for _ in 0..order {
-        let degree = coefficients.len() - 1;
-        if degree == 0 {
-            return [0.0; N];
-        }
-        let step = |pair: &[[f64; N]]| std::array::from_fn(|k| degree as f64 * (pair[1][k] - pair[0][k]));
-        coefficients = coefficients.windows(2).map(step).collect();
-    }
-    BernsteinRow(coefficients).at(t)
 }

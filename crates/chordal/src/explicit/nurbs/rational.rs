@@ -1,6 +1,5 @@
 //! `RationalBezier`: one piece of a rational curve of any degree.
-use super::BernsteinRow;
-use super::curve::quotient_derivatives;
+use super::{BernsteinRow, binomials};
 use crate::explicit::AffineMap;
 use crate::math::{greater, lesser};
 use std::sync::Arc;
@@ -123,4 +122,41 @@ impl<const D: usize> RationalBezier<D> {
         let weighted = self.weighted().0.iter().zip(&self.weights().0).map(moved).collect();
         Self::new(weighted, self.weights().0.clone(), self.ends.map(|p| map.point(p)))
     }
+}
+
+/// The point of a rational piece at `t`, and its derivatives up to an order.
+pub(super) fn quotient_derivatives<const N: usize>(
+    points: &BernsteinRow<N>,
+    weights: &BernsteinRow<1>,
+    t: f64,
+    order: usize,
+) -> Vec<[f64; N]> {
+    let weights: Vec<f64> = (0..=order).map(|k| derivative(weights, k, t)[0]).collect();
+    // Leibniz' rule for the product of the curve with its denominator.
+    let mut derivatives: Vec<[f64; N]> = Vec::with_capacity(order + 1);
+    for k in 0..=order {
+        let binomial = binomials(k);
+        let mut sum = derivative(points, k, t);
+        for i in 1..=k {
+            for (x, lower) in sum.iter_mut().zip(derivatives[k - i]) {
+                *x -= binomial[i] * weights[i] * lower;
+            }
+        }
+        derivatives.push(sum.map(|x| x / weights[0]));
+    }
+    derivatives
+}
+
+/// The derivative of some order of a polynomial in Bernstein form.
+fn derivative<const N: usize>(row: &BernsteinRow<N>, order: usize, t: f64) -> [f64; N] {
+    let mut coefficients = row.0.clone();
+    for _ in 0..order {
+        let degree = coefficients.len() - 1;
+        if degree == 0 {
+            return [0.0; N];
+        }
+        let step = |pair: &[[f64; N]]| std::array::from_fn(|k| degree as f64 * (pair[1][k] - pair[0][k]));
+        coefficients = coefficients.windows(2).map(step).collect();
+    }
+    BernsteinRow(coefficients).at(t)
 }

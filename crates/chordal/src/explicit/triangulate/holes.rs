@@ -5,7 +5,7 @@ use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
 use crate::explicit::fill::snap_grid::SnapGrid;
 use crate::explicit::fill::sweep::{InsideRule, SweepEdge, SweepPoint, sweep};
 use crate::explicit::fill::{FillTriangles, fill};
-use crate::math::{Orientation, difference, dot, greater, length, lesser, orient2d};
+use crate::math::{Orientation, difference, dot, greater, length, lesser, orient2d, unit_scale};
 use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::fmt;
@@ -432,7 +432,7 @@ impl SortedCorners {
 /// Whether each contour runs clockwise: by its area, or, if that may be only rounding, by its turn at the
 /// leftmost corner, which is right for simple contours.
 fn clockwise(corners: &[[f64; 2]], ends: &[usize]) -> Vec<bool> {
-    let scale = super::unit_scale(corners);
+    let scale = unit_scale(corners);
     let is_clockwise = |k: usize| {
         let points = &corners[contour(ends, k)];
         let Some(&origin) = points.first() else { return false };
@@ -538,7 +538,7 @@ fn triangulate_snapped(
     scale: f64,
 ) -> Result<PlaneTriangles, InvalidPolygon> {
     // The grid accepts numbers up to 1e150.
-    let shrink = super::unit_scale(corners);
+    let shrink = unit_scale(corners);
     let small: Vec<[f64; 2]> = corners.iter().map(|p| p.map(|x| x * shrink)).collect();
     let low = small.iter().fold([f64::INFINITY; 2], |m, p| [lesser(m[0], p[0]), lesser(m[1], p[1])]);
     let high = small.iter().fold([f64::NEG_INFINITY; 2], |m, p| [greater(m[0], p[0]), greater(m[1], p[1])]);

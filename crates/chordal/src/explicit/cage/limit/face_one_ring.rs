@@ -1,6 +1,6 @@
 //! `FaceOneRing`: a face of a cage with all data that determines its limit surface, and its subdivision.
 use super::super::edges::{CageEdges, VertexIncidence};
-use super::super::refinement_step::{CageSharpness, is_hole};
+use super::super::sharpness::{CageSharpness, is_hole};
 use super::super::vertex_rule::CagePoint;
 use super::super::{Boundary, Cage, CreasingMethod, FaceSizes, INFINITELY_SHARP, InvalidCage, Scheme};
 use crate::math::greater;
