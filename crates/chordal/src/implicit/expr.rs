@@ -1,7 +1,6 @@
 //! `Expr`: a number for every point of space, as an expression with shared subexpressions.
-use super::leaf::{Leaf, LeafError};
+use super::leaf::Leaf;
 use super::op::{Binary, Unary};
-use super::tape::Tape;
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
@@ -163,17 +162,6 @@ impl Expr {
     #[must_use]
     pub fn cos(&self) -> Self {
         Self::unary(Unary::Cos, self)
-    }
-
-    /// The value at one point. This compiles a tape each time; for many points compile one yourself, see
-    /// [`Tape::at`](super::Tape::at).
-    ///
-    /// # Errors
-    /// When a leaf fails.
-    pub fn at(&self, point: [f64; 3]) -> Result<f64, LeafError> {
-        let mut value = [0.0];
-        Tape::new(self).at(&[point], &mut value)?;
-        Ok(value[0])
     }
 
     /// Whether the expression, up to sign, constant factors and added constants, is a minimum, a maximum or an

@@ -1,6 +1,10 @@
 //! `Field`: a signed number for every point, negative inside, with the known facts about it.
-use super::combine::PeriodicPattern;
-use super::construction::Construction;
+pub(super) mod construction;
+mod periodic_pattern;
+
+pub use periodic_pattern::Repeat;
+pub(super) use periodic_pattern::{MOST_LISTED, PeriodicPattern};
+
 use super::distance::Distance;
 use super::expr::Expr;
 use super::outside::is_empty_outside;
@@ -8,6 +12,7 @@ use super::promises::Promises;
 use super::tape::Tape;
 use crate::budget::Evidence;
 use crate::math::{Box3, add_up, greater, sub_down};
+use construction::Construction;
 use std::sync::Arc;
 
 /// An implicit shape: the set of points where an expression is negative.

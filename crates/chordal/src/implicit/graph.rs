@@ -308,31 +308,3 @@ pub(super) fn parts(term: &Term) -> impl Iterator<Item = u32> {
     };
     parts.into_iter().take(n)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::implicit::{
-        Tape,
-        op::Unary::{Exp, Ln},
-    };
-
-    #[test]
-    fn a_logarithm_of_a_sum_of_exponentials_is_one_step_that_does_not_overflow() {
-        let [x, y, z] = Expr::axes();
-        let exp = |a: &Expr| Expr::unary(Exp, a);
-        let sum = Expr::unary(Ln, &(exp(&x) + exp(&y) + exp(&(&z * 2.0))));
-        let graph = ExprGraph::from_expr(&sum);
-        let is_exp = |term: &Term| matches!(term, Term::Unary(Exp | Ln, _));
-        assert!(!graph.terms().iter().any(is_exp), "{graph:?}");
-        let ([a, b, c], tape) = ([0.3_f64, -0.7, 0.2], Tape::new(&sum));
-        let mut values = [0.0; 2];
-        tape.at(&[[a, b, c], [1000.0, 3.0, 500.0]], &mut values).unwrap();
-        let expected = (a.exp() + b.exp() + (2.0 * c).exp()).ln();
-        assert!((values[0] - expected).abs() < 4.0 * f64::EPSILON, "{values:?}");
-        assert!((values[1] - (1000.0 + 2.0_f64.ln())).abs() < 1e-12, "{values:?}");
-        // A sum with another term stays as it is.
-        let other = ExprGraph::from_expr(&Expr::unary(Ln, &(exp(&x) + &y)));
-        assert_eq!(other.terms().iter().filter(|term| is_exp(term)).count(), 2);
-    }
-}

@@ -5,7 +5,6 @@
 //! that a field with materials has the same values, to the last bit, as one without. Only a CSG tree keeps it
 //! ([`Csg::materials`](super::csg::Csg::materials)), and so knows the material of each primitive.
 use super::expr::{Expr, ExprKind};
-use super::field::Field;
 use super::leaf::{Leaf, LeafAnswer, LeafError};
 use crate::budget::Evidence;
 use crate::math::{Box3, Interval};
@@ -77,41 +76,5 @@ impl Expr {
     pub(super) fn mark(&self) -> Option<(&Arc<dyn Leaf>, &Self)> {
         let ExprKind::Leaf(leaf, [below, ..]) = self.kind() else { return None };
         MaterialMark::from_leaf(leaf).map(|_| (leaf, below))
-    }
-}
-
-impl Field {
-    /// The same shape with this material throughout; materials of its parts are overridden.
-    ///
-    /// Unions, differences, transforms and all other operations keep the materials of their parts. Where
-    /// parts meet, so do their materials: [`field_to_mesh`](crate::convert::field_to_mesh()) gives each face
-    /// the number of its material. A face of an intersection or difference whose own part has no material
-    /// gets the material of the solid behind it. If two parts share a surface, the first one's material wins.
-    /// In a blend each place has the material of the nearer part.
-    ///
-    /// ```
-    /// use chordal::explicit::Semantic;
-    /// use chordal::implicit::{materials::SurfaceMaterial, shapes::sphere};
-    /// use chordal::{Budget, Job, Tolerance, convert};
-    /// let red = SurfaceMaterial { name: "red".into(), color: [1.0, 0.0, 0.0, 1.0], metallic: 0.0, roughness: 0.5 };
-    /// let both = sphere(1.0)?.with_material(red.clone()).union(&sphere(1.0)?.moved([1.0, 0.0, 0.0])?);
-    /// assert_eq!(both.materials(), [red]);
-    /// let made = convert::field_to_mesh(&both, &Budget::length(Tolerance::new(0.05)?), &Job::default())?;
-    /// let numbers = made.shape.attribute(&Semantic::Group("material".into())).expect("one for each face");
-    /// assert!(numbers.values.contains(&1.0) && numbers.values.contains(&0.0)); // 0 is none
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn with_material(&self, material: SurfaceMaterial) -> Self {
-        let mark: Arc<dyn Leaf> = Arc::new(MaterialMark(material));
-        self.map_expressions(|expr| expr.marked(&mark))
-    }
-
-    /// The materials of its surface, in the order of their numbers from 1. Cost: as for a CSG tree.
-    #[must_use]
-    pub fn materials(&self) -> Vec<SurfaceMaterial> {
-        super::Csg::from_expr(self.sign())
-            .materials()
-            .map_or_else(Vec::new, |materials| materials.list().to_vec())
     }
 }

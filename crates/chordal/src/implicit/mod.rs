@@ -2,7 +2,6 @@
 mod affine;
 mod block;
 mod combine;
-pub mod construction;
 mod construction_ops;
 pub mod csg;
 mod distance;
@@ -29,14 +28,14 @@ mod tape;
 mod trilinear;
 
 pub use affine::{Affine3, InvalidAffine};
-pub use combine::{Repeat, Seam};
+pub use combine::Seam;
 pub(crate) use csg::{
     Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive, PrimitiveEvaluator,
 };
 pub use distance::{Distance, DistanceQuality};
 pub(crate) use dual::Dual;
 pub use expr::Expr;
-pub use field::Field;
+pub use field::{Field, Repeat};
 pub(crate) use graph::{ExprGraph, Term};
 pub(crate) use grid::with_samples;
 pub use grid::{Grid, InvalidGrid, Samples};
@@ -45,6 +44,17 @@ pub(crate) use leaf::{Leaf, LeafAnswer, LeafError};
 pub(crate) use sparse::BrickSlab;
 pub use sparse::SparseGrid;
 pub(crate) use tape::Tape;
+
+/// How a field was built from solids whose surfaces are known in closed form.
+///
+/// Shapes and combinations keep it, all other operations drop it: a field without one is an operand by
+/// itself. It describes the set of points where the field is negative, except for the rounding of placements
+/// and for points on surfaces that coincide.
+pub mod construction {
+    pub use super::field::construction::{
+        Construction, ConstructionNode, PlanarForm, SolidForm, ThreadProfile,
+    };
+}
 
 /// Expressions as graphs and tapes, and their evaluation.
 pub mod evaluation {

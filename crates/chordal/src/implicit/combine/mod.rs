@@ -18,13 +18,15 @@ mod sweep;
 mod transform;
 
 pub use fillet::Seam;
-pub(super) use repeat::PeriodicPattern;
-pub use repeat::Repeat;
 
 use super::construction::Construction;
+use super::csg::Csg;
 use super::expr::Expr;
 use super::field::Field;
+use super::leaf::Leaf;
+use super::material::{MaterialMark, SurfaceMaterial};
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
+use std::sync::Arc;
 
 impl Field {
     /// The union: `min(a, b)`. Outside, the value is as good a distance as those of both operands; inside, a
@@ -118,6 +120,38 @@ impl Field {
     pub fn nothing() -> Self {
         // Any number is a bound on an infinite distance; the largest serves as well as infinity.
         Self::new(Expr::constant(f64::MAX)).known_distance(super::Distance::BOUND).known_bounds(Box3::EMPTY)
+    }
+
+    /// The same shape with this material throughout; materials of its parts are overridden.
+    ///
+    /// Unions, differences, transforms and all other operations keep the materials of their parts. Where
+    /// parts meet, so do their materials: [`field_to_mesh`](crate::convert::field_to_mesh()) gives each face
+    /// the number of its material. A face of an intersection or difference whose own part has no material
+    /// gets the material of the solid behind it. If two parts share a surface, the first one's material wins.
+    /// In a blend each place has the material of the nearer part.
+    ///
+    /// ```
+    /// use chordal::explicit::Semantic;
+    /// use chordal::implicit::{materials::SurfaceMaterial, shapes::sphere};
+    /// use chordal::{Budget, Job, Tolerance, convert};
+    /// let red = SurfaceMaterial { name: "red".into(), color: [1.0, 0.0, 0.0, 1.0], metallic: 0.0, roughness: 0.5 };
+    /// let both = sphere(1.0)?.with_material(red.clone()).union(&sphere(1.0)?.moved([1.0, 0.0, 0.0])?);
+    /// assert_eq!(both.materials(), [red]);
+    /// let made = convert::field_to_mesh(&both, &Budget::length(Tolerance::new(0.05)?), &Job::default())?;
+    /// let numbers = made.shape.attribute(&Semantic::Group("material".into())).expect("one for each face");
+    /// assert!(numbers.values.contains(&1.0) && numbers.values.contains(&0.0)); // 0 is none
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_material(&self, material: SurfaceMaterial) -> Self {
+        let mark: Arc<dyn Leaf> = Arc::new(MaterialMark(material));
+        self.map_expressions(|expr| expr.marked(&mark))
+    }
+
+    /// The materials of its surface, in the order of their numbers from 1. Cost: as for a CSG tree.
+    #[must_use]
+    pub fn materials(&self) -> Vec<SurfaceMaterial> {
+        Csg::from_expr(self.sign()).materials().map_or_else(Vec::new, |materials| materials.list().to_vec())
     }
 
     /// Gives the field the mapped sign of `from`, if `from` has its own.

@@ -166,7 +166,7 @@ impl Field {
     }
 
     /// The field with its value and sign at mapped points.
-    pub(super) fn at(&self, at: &[Expr; 3]) -> Self {
+    pub(in crate::implicit) fn at(&self, at: &[Expr; 3]) -> Self {
         let value = self.expr().with_axes(at.clone());
         let placed = Self::from_parts(value, &[self]).map_sign(self, |sign| sign.with_axes(at.clone()));
         placed.with_depth(self.depth().is_some())

@@ -1,6 +1,6 @@
 //! `FieldOctree`: an octree of the cells that may contain the surface, with the slopes of the field there.
 use super::super::{DistanceQuality, Dual, ExprGraph, Field, LeafError, Tape, Term};
-use super::voxels::{Voxel, VoxelGrid};
+use super::voxels::{FieldOctreeNode, Voxel, VoxelGrid};
 use crate::budget::{Job, par_map};
 use crate::math::{Box3, Interval, greater, lesser};
 
@@ -50,15 +50,6 @@ impl From<LeafError> for FieldOctreeError {
     fn from(error: LeafError) -> Self {
         Self::Leaf(error)
     }
-}
-
-/// A part of space: 8 consecutive children, a cell, or a part without surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FieldOctreeNode {
-    Outside,
-    Inside,
-    Children(u32),
-    Cell(u32),
 }
 
 /// A part that may contain the surface.

@@ -1,6 +1,14 @@
 //! `VoxelGrid`: the octree as a lattice, to find a point's cell in one step, and to skip empty space.
-use super::octree::FieldOctreeNode;
 use crate::math::lesser;
+
+/// A part of space: 8 consecutive children, a cell, or a part without surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FieldOctreeNode {
+    Outside,
+    Inside,
+    Children(u32),
+    Cell(u32),
+}
 
 /// The cube in equal voxels, as small as its smallest cells.
 #[derive(Clone, Debug, Default)]

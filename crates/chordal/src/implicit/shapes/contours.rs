@@ -1,12 +1,6 @@
-//! `Contours`: the exact signed distance to closed contours of straight edges in the plane, as a leaf.
-use super::contours_build;
-use super::half_planes;
-use super::planar::endless;
-use super::{InvalidShape, finite_point};
-use crate::budget::Evidence;
-use crate::implicit::construction::{Construction, PlanarForm};
-use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
-use crate::math::{Box3, Interval, Orientation, add_up, greater, orient2d};
+//! `Contours`: closed contours of straight edges in the plane, and the exact signed distance to them.
+use crate::implicit::{Distance, Expr};
+use crate::math::{Orientation, add_up, greater, orient2d};
 use std::sync::Arc;
 
 /// The fill rule of contours.
@@ -71,39 +65,6 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// The contours through these points, each closed. If edges meet only at corners that they share,
-    /// contours that do not bound the filled region (such as one inside another of the same direction) are
-    /// left out, and the value is the exact distance. Otherwise the value is a bound: an edge may run inside
-    /// the shape.
-    ///
-    /// # Errors
-    /// When a coordinate is not a finite number below 1e150, or no contour has three corners.
-    pub fn new(contours: &[Vec<[f64; 2]>], fill: ContourFill) -> Result<Self, InvalidShape> {
-        let mut largest = 0.0;
-        for x in contours.iter().flatten().flatten() {
-            finite_point("a contour's coordinate", [*x])?;
-            largest = greater(x.abs(), largest);
-        }
-        // Defined: squares of differences stay finite.
-        if largest >= 1e150 {
-            return Err(InvalidShape::Number(format!(
-                "a contour's coordinate is {largest}, and must be below 1e150"
-            )));
-        }
-        let edges = contours_build::edges(contours);
-        if edges.is_empty() {
-            return Err(InvalidShape::Number("no contour has three different corners in a row".into()));
-        }
-        let (edges, is_simple) = contours_build::orient_edges(edges, fill);
-        if edges.is_empty() {
-            return Err(InvalidShape::Number("the contours enclose nothing".into()));
-        }
-        let (nodes, order) = contours_build::tree(&edges);
-        let bounds = nodes.first().map_or([[0.0; 2]; 2], |root| [root.min, root.max]);
-        let distance = if is_simple { Distance::EXACT } else { Distance::BOUND };
-        Ok(Self { edges, nodes, order, largest, fill, distance, bounds })
-    }
-
     /// The distance quality: exact for contours that do not meet.
     #[must_use]
     pub fn distance(&self) -> Distance {
@@ -116,21 +77,8 @@ impl Contours {
         Self::shared_expr(Arc::new(self), at)
     }
 
-    fn shared_expr(contours: Arc<Self>, [x, y]: [Expr; 2]) -> Expr {
+    pub(super) fn shared_expr(contours: Arc<Self>, [x, y]: [Expr; 2]) -> Expr {
         Expr::leaf(contours, [x, y, Expr::constant(0.0)])
-    }
-
-    /// The shape, unbounded along z.
-    #[must_use]
-    pub fn into_field(self) -> Field {
-        let (distance, [min, max]) = (self.distance, self.bounds);
-        let [x, y, _] = Expr::axes();
-        let sign = half_planes::half_plane_formula(&self.edges, [&x, &y]);
-        let contours = Arc::new(self);
-        let construction = Construction::planar(PlanarForm::Contours(Arc::clone(&contours)));
-        let field = Field::new(Self::shared_expr(contours, [x, y])).known_construction(construction);
-        let field = field.known_distance(distance).known_bounds(endless(min, max));
-        sign.map_or(field.clone(), |sign| field.known_sign(sign))
     }
 
     /// Its contours, each with the inside to the left of its sides. None if they cross or touch, since the
@@ -264,7 +212,7 @@ impl Contours {
     }
 
     /// The signed distance, the nearest edge, and whether `p` is inside.
-    fn signed(&self, p: [f64; 2], start: u32) -> (f64, u32, bool) {
+    pub(super) fn signed(&self, p: [f64; 2], start: u32) -> (f64, u32, bool) {
         let (square, row) = self.nearest(p, start);
         let inside = self.holds(p);
         let distance = square.sqrt();
@@ -289,82 +237,5 @@ impl ContourEdge {
         } else {
             (from, 0.0)
         }
-    }
-}
-
-impl Leaf for Contours {
-    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
-        // Neighbours in a batch are often neighbours in space.
-        let mut start = 0;
-        for ([x, y, _], value) in points.iter().zip(out) {
-            if x.is_finite() && y.is_finite() {
-                (*value, start, _) = self.signed([*x, *y], start);
-            } else {
-                *value = f64::NAN;
-            }
-        }
-        Ok(())
-    }
-
-    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
-        for ([x, y, _], gradient) in points.iter().zip(out) {
-            let (value, row, inside) = self.signed([*x, *y], 0);
-            let edge = &self.edges[row as usize];
-            let (offset, t) = edge.offset([*x, *y]);
-            *gradient = if value == 0.0 || (0.0 < t && t < 1.0) {
-                // The normal of the edge, towards the outside.
-                let n = [edge.b[1] - edge.a[1], edge.a[0] - edge.b[0]];
-                let length = (n[0] * n[0] + n[1] * n[1]).sqrt();
-                let to_right = offset[0] * n[0] + offset[1] * n[1] > 0.0;
-                let outward = if edge.outside == 0 { to_right != inside } else { edge.outside > 0 };
-                let sign = if outward { 1.0 } else { -1.0 };
-                [sign * n[0] / length, sign * n[1] / length, 0.0]
-            } else {
-                [offset[0] / value, offset[1] / value, 0.0]
-            };
-        }
-        Ok(LeafAnswer::Given)
-    }
-
-    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
-        for (bounds, range) in boxes.iter().zip(out) {
-            let flat =
-                Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
-            let [x, y, _] = flat.centre();
-            // The middle is rounded: half of the diagonal and a unit of rounding reach every point of the
-            // box.
-            let reach = add_up(
-                0.5 * flat.diagonal(),
-                add_up(self.rounding([x, y]), f64::EPSILON * (x.abs() + y.abs())),
-            );
-            *range = if reach.is_finite() {
-                // The exact distance is continuous and 1-Lipschitz.
-                Interval::point(self.value([x, y]))
-                    + Interval::new(-reach, reach).unwrap_or(Interval::UNKNOWN)
-            } else {
-                Interval::ENTIRE
-            };
-        }
-        Ok(LeafAnswer::Given)
-    }
-
-    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
-        for (bounds, gradient) in boxes.iter().zip(out) {
-            *gradient = self.slope_over(bounds);
-        }
-        Ok(LeafAnswer::Given)
-    }
-
-    fn without_axis(&self, axis: f64) -> Option<Arc<dyn Leaf>> {
-        let joined = contours_build::with_mirror_image(self, axis)?;
-        Some(Arc::new(joined))
-    }
-
-    fn lipschitz(&self) -> Option<Lipschitz> {
-        Some(Lipschitz { constant: 1.0, error: self.rounding([self.largest; 2]) })
-    }
-
-    fn evidence(&self) -> Evidence {
-        Evidence::Proved
     }
 }

@@ -1,14 +1,50 @@
-//! Construction of [`Contours`](super::Contours): edges, the boundary edges of the shape, and the tree over
+//! Builds [`Contours`]: edges, the boundary edges of the shape, and the tree over
 //! them.
 use super::contours::{ContourBvhNode, ContourEdge, ContourFill, Contours};
+use super::{InvalidShape, finite_point};
 use crate::implicit::Distance;
 use crate::math::{Orientation, greater, lesser, orient2d};
 
 /// Edges in a leaf of the tree.
 const LEAF: usize = 4;
 
+impl Contours {
+    /// The contours through these points, each closed. If edges meet only at corners that they share,
+    /// contours that do not bound the filled region (such as one inside another of the same direction) are
+    /// left out, and the value is the exact distance. Otherwise the value is a bound: an edge may run inside
+    /// the shape.
+    ///
+    /// # Errors
+    /// When a coordinate is not a finite number below 1e150, or no contour has three corners.
+    pub fn new(contours: &[Vec<[f64; 2]>], fill: ContourFill) -> Result<Self, InvalidShape> {
+        let mut largest = 0.0;
+        for x in contours.iter().flatten().flatten() {
+            finite_point("a contour's coordinate", [*x])?;
+            largest = greater(x.abs(), largest);
+        }
+        // Defined: squares of differences stay finite.
+        if largest >= 1e150 {
+            return Err(InvalidShape::Number(format!(
+                "a contour's coordinate is {largest}, and must be below 1e150"
+            )));
+        }
+        let edges = edges(contours);
+        if edges.is_empty() {
+            return Err(InvalidShape::Number("no contour has three different corners in a row".into()));
+        }
+        let (edges, is_simple) = orient_edges(edges, fill);
+        if edges.is_empty() {
+            return Err(InvalidShape::Number("the contours enclose nothing".into()));
+        }
+        let (nodes, order) = tree(&edges);
+        let bounds = nodes.first().map_or([[0.0; 2]; 2], |root| [root.min, root.max]);
+        let distance = if is_simple { Distance::EXACT } else { Distance::BOUND };
+        Ok(Self { edges, nodes, order, largest, fill, distance, bounds })
+    }
+}
+
 /// The edges of all contours with at least three different successive corners.
-pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
+fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
     let mut edges = Vec::new();
     for (contour, points) in contours.iter().enumerate() {
         let mut corners = points.clone();
@@ -35,7 +71,7 @@ pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
 }
 
 /// Builds the tree over the edges: nodes, and the order of the edges in their runs.
-pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
+fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
     let mut order: Vec<u32> = (0..edges.len() as u32).collect();
     let mut nodes = Vec::new();
     // A range of the order, and the node whose second child it becomes.
@@ -71,7 +107,7 @@ pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
 
 /// Only the contours that bound the filled region, each edge with the side of its outside; and whether that
 /// was possible, which it is unless edges meet elsewhere than at corners that they share.
-pub(super) fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (Vec<ContourEdge>, bool) {
+fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (Vec<ContourEdge>, bool) {
     let (nodes, order) = tree(&edges);
     let full = Contours::from_parts(edges.clone(), nodes, order, fill);
     if !is_simple(&full) {

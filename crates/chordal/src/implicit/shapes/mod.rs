@@ -26,13 +26,12 @@
 mod axis_distance;
 mod contours;
 mod contours_build;
-mod contours_gradient;
+mod contours_leaf;
 mod half_planes;
 mod hull;
 mod hull_of;
 mod periodic;
 mod planar;
-mod platonic;
 mod round;
 mod solid;
 mod thread;
@@ -49,10 +48,9 @@ pub use hull::{hull, planar_hull};
 pub use hull_of::hull_of;
 pub use periodic::{diamond, gyroid, schwarz_p};
 pub use planar::{circle, polygon, prism, rectangle, regular_polygon, rounded_rectangle, segment};
-pub use platonic::{octahedron, tetrahedron};
 pub use round::{capsule, ellipsoid, sphere, torus};
 pub(super) use solid::unit;
-pub use solid::{capped_cone, cuboid, cylinder, plane, rounded_cuboid};
+pub use solid::{capped_cone, cuboid, cylinder, octahedron, plane, rounded_cuboid, tetrahedron};
 pub use thread::{ThreadForm, thread};
 pub use triangle::triangle;
 

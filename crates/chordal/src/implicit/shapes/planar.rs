@@ -1,4 +1,5 @@
 //! Planar shapes, unbounded along z; [`Field::extruded`] and [`Field::revolved`] make them solids.
+use super::half_planes::half_plane_formula;
 use super::solid::{fitting, halved, halves, walls};
 use super::{
     ContourFill, Contours, InvalidShape, capsule, finite_point, largest, length_of, positive, rounded_slabs,
@@ -7,9 +8,10 @@ use super::{
 use crate::implicit::construction::{Construction, PlanarForm};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up, elementary};
+use std::sync::Arc;
 
 /// A planar box, unbounded along z.
-pub(super) fn endless(min: [f64; 2], max: [f64; 2]) -> Box3 {
+fn endless(min: [f64; 2], max: [f64; 2]) -> Box3 {
     Box3 { min: [min[0], min[1], f64::NEG_INFINITY], max: [max[0], max[1], f64::INFINITY] }
 }
 
@@ -67,6 +69,21 @@ pub fn segment(a: [f64; 2], b: [f64; 2], radius: f64) -> Result<Field, InvalidSh
     let field = Field::new(solid.expr().with_axes([x, y, Expr::constant(0.0)]));
     let field = field.known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless([min[0], min[1]], [max[0], max[1]])))
+}
+
+impl Contours {
+    /// The shape, unbounded along z.
+    #[must_use]
+    pub fn into_field(self) -> Field {
+        let (distance, [min, max]) = (self.distance, self.bounds);
+        let [x, y, _] = Expr::axes();
+        let sign = half_plane_formula(&self.edges, [&x, &y]);
+        let contours = Arc::new(self);
+        let construction = Construction::planar(PlanarForm::Contours(Arc::clone(&contours)));
+        let field = Field::new(Self::shared_expr(contours, [x, y])).known_construction(construction);
+        let field = field.known_distance(distance).known_bounds(endless(min, max));
+        sign.map_or(field.clone(), |sign| field.known_sign(sign))
+    }
 }
 
 /// The polygon through these corners, joined in order and closed. If it crosses itself, the even-odd rule

@@ -3,9 +3,9 @@
 //! Shapes and combinations keep it, all other operations drop it: a field without one is an operand by
 //! itself. It describes the set of points where the field is negative, except for the rounding of placements
 //! and for points on surfaces that coincide.
-use super::affine::Affine3;
-use super::field::Field;
-use super::shapes::Contours;
+use super::Field;
+use crate::implicit::Affine3;
+use crate::implicit::shapes::Contours;
 use std::sync::Arc;
 
 /// A solid as a combination of other solids. Clones share their parts.
@@ -205,7 +205,7 @@ const FLAT_DEPTH: u32 = 64;
 const MOST_DEPTH: u32 = 256;
 
 impl Construction {
-    pub(super) fn new(node: ConstructionNode) -> Option<Self> {
+    pub(in crate::implicit) fn new(node: ConstructionNode) -> Option<Self> {
         use ConstructionNode::{Complement, Intersection, Other, Placed, Planar, Solid, Union};
         let below = match &node {
             Solid(_) | Planar(_) | Other(_) => 0,
@@ -222,11 +222,11 @@ impl Construction {
         (below < MOST_DEPTH).then(|| Self { node: Arc::new(node), depth: below + 1, n_solids })
     }
 
-    pub(super) fn solid(form: SolidForm) -> Option<Self> {
+    pub(in crate::implicit) fn solid(form: SolidForm) -> Option<Self> {
         Self::new(ConstructionNode::Solid(form))
     }
 
-    pub(super) fn planar(form: PlanarForm) -> Option<Self> {
+    pub(in crate::implicit) fn planar(form: PlanarForm) -> Option<Self> {
         Self::new(ConstructionNode::Planar(form))
     }
 
@@ -255,7 +255,7 @@ impl Construction {
     }
 
     /// The points in either. None if both are operands without a construction.
-    pub(super) fn union(a: &Field, b: &Field) -> Option<Self> {
+    pub(in crate::implicit) fn union(a: &Field, b: &Field) -> Option<Self> {
         Self::joined([a, b], ConstructionNode::Union, |node| match node {
             ConstructionNode::Union(parts) => Some(parts),
             _ => None,
@@ -263,7 +263,7 @@ impl Construction {
     }
 
     /// The points in both. None if both are operands without a construction.
-    pub(super) fn intersection(a: &Field, b: &Field) -> Option<Self> {
+    pub(in crate::implicit) fn intersection(a: &Field, b: &Field) -> Option<Self> {
         Self::joined([a, b], ConstructionNode::Intersection, |node| match node {
             ConstructionNode::Intersection(parts) => Some(parts),
             _ => None,
@@ -292,13 +292,13 @@ impl Construction {
     }
 
     /// Its intersection with other solids.
-    pub(super) fn clipped(&self, others: Vec<Self>) -> Option<Self> {
+    pub(in crate::implicit) fn clipped(&self, others: Vec<Self>) -> Option<Self> {
         let parts: Vec<Self> = std::iter::once(self.clone()).chain(others).collect();
         Self::new(ConstructionNode::Intersection(parts.into()))
     }
 
     /// All points outside of it.
-    pub(super) fn complement(&self) -> Option<Self> {
+    pub(in crate::implicit) fn complement(&self) -> Option<Self> {
         match self.node() {
             ConstructionNode::Complement(below) => Some(below.clone()),
             _ => Self::new(ConstructionNode::Complement(self.clone())),
@@ -328,7 +328,7 @@ impl Construction {
     }
 
     /// The same under a further map. None if rounding makes that map flatten space.
-    pub(super) fn placed(&self, rows: [[f64; 4]; 3]) -> Option<Self> {
+    pub(in crate::implicit) fn placed(&self, rows: [[f64; 4]; 3]) -> Option<Self> {
         let map = Affine3::new(rows).ok()?;
         if map == Affine3::IDENTITY {
             return Some(self.clone());
@@ -337,7 +337,7 @@ impl Construction {
     }
 
     /// The planar shape between the heights `-half` and `half`. None if this is not a planar shape.
-    pub(super) fn extruded(&self, half: f64) -> Option<Self> {
+    pub(in crate::implicit) fn extruded(&self, half: f64) -> Option<Self> {
         self.map_planar(None, &|form, placement| {
             let solid = Self::solid(SolidForm::Extruded { profile: form.clone(), half })?;
             match placement {
@@ -348,7 +348,7 @@ impl Construction {
     }
 
     /// The planar shape revolved about its y axis. None if this is not a planar shape.
-    pub(super) fn revolved(&self) -> Option<Self> {
+    pub(in crate::implicit) fn revolved(&self) -> Option<Self> {
         self.map_planar(None, &|form, placement| {
             Self::solid(SolidForm::Revolved { profile: form.clone(), place: placement })
         })
@@ -356,7 +356,11 @@ impl Construction {
 
     /// The same combination, with each planar shape and its placement replaced by a solid from `make`.
     /// Heights in placements are dropped: a planar shape has none.
-    pub(super) fn map_planar(&self, placement: Option<Affine3>, make: &PlanarMap) -> Option<Self> {
+    pub(in crate::implicit) fn map_planar(
+        &self,
+        placement: Option<Affine3>,
+        make: &PlanarMap,
+    ) -> Option<Self> {
         let each = |parts: &[Self]| -> Option<Arc<[Self]>> {
             parts.iter().map(|part| part.map_planar(placement, make)).collect()
         };
@@ -379,7 +383,8 @@ impl Construction {
 }
 
 /// Builds a solid from a planar shape and its placement.
-pub(super) type PlanarMap<'a> = dyn Fn(&PlanarForm, Option<Affine3>) -> Option<Construction> + 'a;
+pub(in crate::implicit) type PlanarMap<'a> =
+    dyn Fn(&PlanarForm, Option<Affine3>) -> Option<Construction> + 'a;
 
 /// The effect of a map on shapes that are unbounded along z, with heights unchanged. None if it tilts the z
 /// axis.

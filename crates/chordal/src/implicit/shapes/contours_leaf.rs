@@ -1,6 +1,10 @@
-//! Intervals of the gradient of the distance to [`Contours`] in a box, from the edges that may be nearest.
-use super::contours::{ContourEdge, Contours};
-use crate::math::{Box3, Interval, add_up, greater, lesser};
+//! [`Contours`] as a leaf. The gradient in a box is enclosed from the edges that may be nearest.
+use super::contours::{ContourBvhNode, ContourEdge, Contours};
+use super::contours_build;
+use crate::budget::Evidence;
+use crate::implicit::{Leaf, LeafAnswer, LeafError, Lipschitz};
+use crate::math::{Box3, Interval, add_up, greater, length, lesser};
+use std::sync::Arc;
 
 const UNIT: [f64; 2] = [-1.0, 1.0];
 /// If the sine of an edge pair's turn is smaller, the edges count as straight. Chosen: far above rounding,
@@ -29,7 +33,7 @@ impl Contours {
         }
         let reach = add_up(self.value(middle).abs(), add_up(2.0 * radius, rounding));
         let mut hull: Option<[Interval; 2]> = None;
-        let is_near = |node: &super::contours::ContourBvhNode| {
+        let is_near = |node: &ContourBvhNode| {
             (0..2)
                 .all(|k| node.min[k] <= add_up(middle[k], reach) && node.max[k] >= -add_up(-middle[k], reach))
         };
@@ -51,7 +55,7 @@ impl Contours {
     /// The gradients at points around `middle` whose nearest point is on an edge.
     fn slopes(&self, edge: &ContourEdge, flat: &Box3, middle: [f64; 2], radius: f64) -> Vec<[Interval; 2]> {
         let along = [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]];
-        let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
+        let length = length(along);
         let from = [middle[0] - edge.a[0], middle[1] - edge.a[1]];
         let closest = (from[0] * along[0] + from[1] * along[1]) / length;
         // Rounding of the closest point is 8 units of `|p − a|`; many times as much is allowed for.
@@ -102,7 +106,7 @@ fn about_corner(edges: [&ContourEdge; 2], flat: &Box3) -> Option<[Interval; 2]> 
 fn normal(edge: &ContourEdge) -> [f64; 2] {
     let sign = f64::from(edge.outside);
     let n = [sign * (edge.b[1] - edge.a[1]), sign * (edge.a[0] - edge.b[0])];
-    let length = (n[0] * n[0] + n[1] * n[1]).sqrt();
+    let length = length(n);
     n.map(|x| x / length)
 }
 
@@ -141,4 +145,81 @@ fn between(a: [f64; 2], b: [f64; 2]) -> [Interval; 2] {
         }
         part
     })
+}
+
+impl Leaf for Contours {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        // Neighbours in a batch are often neighbours in space.
+        let mut start = 0;
+        for ([x, y, _], value) in points.iter().zip(out) {
+            if x.is_finite() && y.is_finite() {
+                (*value, start, _) = self.signed([*x, *y], start);
+            } else {
+                *value = f64::NAN;
+            }
+        }
+        Ok(())
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
+        for ([x, y, _], gradient) in points.iter().zip(out) {
+            let (value, row, inside) = self.signed([*x, *y], 0);
+            let edge = &self.edges[row as usize];
+            let (offset, t) = edge.offset([*x, *y]);
+            *gradient = if value == 0.0 || (0.0 < t && t < 1.0) {
+                // The normal of the edge, towards the outside.
+                let n = [edge.b[1] - edge.a[1], edge.a[0] - edge.b[0]];
+                let length = length(n);
+                let to_right = offset[0] * n[0] + offset[1] * n[1] > 0.0;
+                let outward = if edge.outside == 0 { to_right != inside } else { edge.outside > 0 };
+                let sign = if outward { 1.0 } else { -1.0 };
+                [sign * n[0] / length, sign * n[1] / length, 0.0]
+            } else {
+                [offset[0] / value, offset[1] / value, 0.0]
+            };
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
+        for (bounds, range) in boxes.iter().zip(out) {
+            let flat =
+                Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
+            let [x, y, _] = flat.centre();
+            // The middle is rounded: half of the diagonal and a unit of rounding reach every point of the
+            // box.
+            let reach = add_up(
+                0.5 * flat.diagonal(),
+                add_up(self.rounding([x, y]), f64::EPSILON * (x.abs() + y.abs())),
+            );
+            *range = if reach.is_finite() {
+                // The exact distance is continuous and 1-Lipschitz.
+                Interval::point(self.value([x, y]))
+                    + Interval::new(-reach, reach).unwrap_or(Interval::UNKNOWN)
+            } else {
+                Interval::ENTIRE
+            };
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
+        for (bounds, gradient) in boxes.iter().zip(out) {
+            *gradient = self.slope_over(bounds);
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn without_axis(&self, axis: f64) -> Option<Arc<dyn Leaf>> {
+        let joined = contours_build::with_mirror_image(self, axis)?;
+        Some(Arc::new(joined))
+    }
+
+    fn lipschitz(&self) -> Option<Lipschitz> {
+        Some(Lipschitz { constant: 1.0, error: self.rounding([self.largest; 2]) })
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Proved
+    }
 }
