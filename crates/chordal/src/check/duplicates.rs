@@ -4,6 +4,31 @@ use super::connectivity::MeshConnectivity;
 use super::finding::{Finding, Witness};
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 
+/// The connectivity of a mesh by its indices and by bit-identical positions.
+pub struct ConnectivityPair<'a> {
+    /// By indices.
+    pub by_indices: MeshConnectivity<'a>,
+    /// By positions; `None` if that is the same because no two positions have the same coordinates.
+    pub by_positions: Option<MeshConnectivity<'a>>,
+    /// Positions by index with the same coordinates as an earlier one, with `−0.0` equal to `0.0`.
+    pub duplicate_vertices: Finding,
+}
+
+impl<'a> MeshConnectivity<'a> {
+    /// Both connectivities of `mesh`, at the cost of one if they are the same.
+    #[must_use]
+    pub fn by_indices_and_positions(mesh: &'a Mesh) -> ConnectivityPair<'a> {
+        let by_bits = Topology::Positions.ids(mesh);
+        let duplicate_vertices = duplicate_positions(mesh, by_bits.as_deref().unwrap_or_default());
+        let differ = !duplicate_vertices.is_none();
+        ConnectivityPair {
+            by_indices: Self::new(mesh, Topology::Indices),
+            by_positions: differ.then(|| Self::with_ids(mesh, Topology::Positions, by_bits)),
+            duplicate_vertices,
+        }
+    }
+}
+
 /// A face that repeats an earlier one; ordered by face.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct DuplicateFace {

@@ -1,5 +1,5 @@
 //! The deviation of a control cage's polygons from its limit surface.
-use super::loop_deviation;
+use super::loop_deviation::{self, MOST_PIECES, is_close_enough};
 use crate::budget::{Bound, Job, Reference, par_map};
 use crate::explicit::cage::limit::{ExtraordinaryQuad, LimitPatches, QuadPatchTree};
 use crate::explicit::{Cage, InvalidCage, LimitSheet, Patch};
@@ -98,24 +98,6 @@ enum QuadSubpatchKind<'a> {
     /// The patch minus the polygon, and its rounding error.
     Difference(Box<Patch>, f64),
     Extraordinary(&'a ExtraordinaryQuad),
-}
-
-/// A bound within this factor of the distance at some parameter is close enough. Chosen: a smaller factor
-/// takes more subdivisions.
-const NEAR: f64 = 1.1;
-/// Bounds within this multiple of their rounding are not subdivided either. Chosen: subdividing them gains
-/// little.
-const ROUNDINGS: f64 = 4.0;
-/// Subdivision stops after this many pieces. Chosen: it bounds the time of a face whose bound converges
-/// slowly.
-pub(super) const MOST_PIECES: usize = 400;
-/// Subdivisions after which hulls are below rounding.
-const DEEPEST: usize = 45;
-
-/// Whether subdividing a piece with this bound, rounding error and depth again would gain little over the
-/// largest distance that is known to occur.
-pub(super) fn is_close_enough(bound: f64, least: f64, rounding_error: f64, depth: usize) -> bool {
-    bound <= NEAR * least + ROUNDINGS * rounding_error || depth > DEEPEST
 }
 
 fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {

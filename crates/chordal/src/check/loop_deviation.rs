@@ -1,11 +1,28 @@
 //! The deviation of a triangle of a Loop cage from its limit surface.
-use super::limit_deviation::{MOST_PIECES, is_close_enough};
 use crate::explicit::InvalidCage;
 use crate::explicit::cage::limit::{ExtraordinaryTriangle, QUARTERS, Quartic, TrianglePatchTree};
 use crate::math::{PriorityItem, branch_and_bound};
 use glam::DVec3;
 use std::cell::Cell;
 use std::collections::BinaryHeap;
+
+/// A bound within this factor of the distance at some parameter is close enough. Chosen: a smaller factor
+/// takes more subdivisions.
+const NEAR: f64 = 1.1;
+/// Bounds within this multiple of their rounding are not subdivided either. Chosen: subdividing them gains
+/// little.
+const ROUNDINGS: f64 = 4.0;
+/// Subdivision stops after this many pieces. Chosen: it bounds the time of a face whose bound converges
+/// slowly.
+pub(super) const MOST_PIECES: usize = 400;
+/// Subdivisions after which hulls are below rounding.
+const DEEPEST: usize = 45;
+
+/// Whether subdividing a piece with this bound, rounding error and depth again would gain little over the
+/// largest distance that is known to occur.
+pub(super) fn is_close_enough(bound: f64, least: f64, rounding_error: f64, depth: usize) -> bool {
+    bound <= NEAR * least + ROUNDINGS * rounding_error || depth > DEEPEST
+}
 
 /// A subpatch of the surface and the corresponding part of the triangle.
 struct LoopSubpatch<'a> {

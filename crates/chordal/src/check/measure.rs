@@ -1,6 +1,6 @@
 //! Area and volume, rounded. Sums run in the order of the faces in fixed chunks: the same on any number of
 //! threads.
-use super::parallel::over_chunks;
+use crate::budget::over_chunks;
 use crate::explicit::{BLOCK, CornerBlock, Mesh};
 use crate::math::lesser;
 use crate::math::simd::{self, Kernel};

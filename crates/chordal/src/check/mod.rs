@@ -1,6 +1,7 @@
 //! Checks: measures shapes and proves properties and error bounds; builds nothing.
 mod attributes;
 mod comb;
+mod component;
 mod components;
 mod connectivity;
 mod curve_length;
@@ -24,7 +25,6 @@ mod nurbs_edges;
 mod nurbs_line;
 mod open_seams;
 mod overshade;
-mod parallel;
 mod point_tree;
 mod self_intersections;
 mod smooth_deviation;
@@ -38,7 +38,8 @@ mod winding;
 mod zero_set;
 
 pub(crate) use attributes::attribute_deviation_within;
-pub use components::{Component, Facing, components, inside_out, outward};
+pub use component::{Component, Facing};
+pub use components::{components, inside_out, outward};
 pub(crate) use connectivity::MeshConnectivity;
 pub use defect::Defect;
 pub use degenerate::{has_zero_area, is_collinear};
@@ -87,8 +88,9 @@ pub mod curves {
 /// Defects with their places, counts and attributes.
 pub mod findings {
     pub use super::attributes::{AttributeDeviation, attribute_deviation};
-    pub use super::connectivity::{ConnectivityPair, MeshConnectivity};
+    pub use super::connectivity::MeshConnectivity;
     pub use super::defect::Severity;
+    pub use super::duplicates::ConnectivityPair;
     pub use super::finding::{Finding, MAX_WITNESSES, MeshLocation, Witness};
     pub use super::measure::{Measure, measure};
     pub use super::open_seams::OpenSeams;

@@ -1,5 +1,5 @@
 //! Nesting of components: exact winding numbers around a few vertices of each.
-use super::components::{Component, ComponentSet, NONE};
+use super::component::{Component, ComponentSet, NONE};
 use super::winding::{RayCrossing, crossing};
 use crate::budget::{Job, JobError, par_map};
 use crate::explicit::{Bvh, Mesh};

@@ -30,48 +30,53 @@ struct BoundaryVertex {
     shortest: f64,
 }
 
-pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
-    let mesh = surface.mesh;
-    let at = |row: u32| mesh.positions()[row as usize];
-    let mut boundary: BTreeMap<u32, BoundaryVertex> = BTreeMap::new();
-    for h in 0..3 * surface.n_faces() {
-        if surface.twins.get(h) != Twin::Boundary {
-            continue;
-        }
-        let rows = [h, next_in_face(h)].map(|h| surface.origin_row(h));
+impl MeshConnectivity<'_> {
+    /// Boundary vertices that nearly coincide with others: within a 1024th of the boundary edges there, and a 65,536th
+    /// of the diagonal of the mesh's box. n log n for n of them.
+    #[must_use]
+    pub fn open_seams(&self) -> OpenSeams {
+        let mesh = self.mesh;
+        let at = |row: u32| mesh.positions()[row as usize];
+        let mut boundary: BTreeMap<u32, BoundaryVertex> = BTreeMap::new();
+        for h in 0..3 * self.n_faces() {
+            if self.twins.get(h) != Twin::Boundary {
+                continue;
+            }
+            let rows = [h, next_in_face(h)].map(|h| self.origin_row(h));
         // The shortest boundary edge at a vertex tells how fine the mesh is there, and with it
         // which gaps are intended.
-        let length = distance_up(at(rows[0]), at(rows[1]));
-        for row in rows {
-            let vertex =
-                boundary.entry(surface.id(row)).or_insert(BoundaryVertex { row, shortest: f64::INFINITY });
-            vertex.shortest = lesser(length, vertex.shortest);
-        }
-    }
-    let vertices: Vec<BoundaryVertex> = boundary.into_values().collect();
-    let points: Vec<[f64; 3]> = vertices.iter().map(|vertex| at(vertex.row)).collect();
-    let (distinct, longest) = distinct_places(&points, &vertices);
-    let tree = PointTree::new(&distinct);
-    let most = SHARE_OF_BOX * mesh.bounds().diagonal();
-    let mut seams = OpenSeams::default();
-    for (vertex, p) in vertices.iter().zip(&points) {
+            let length = distance_up(at(rows[0]), at(rows[1]));
+            for row in rows {
+                let vertex =
+                    boundary.entry(self.id(row)).or_insert(BoundaryVertex { row, shortest: f64::INFINITY });
         // Fine enough for this vertex; `longest` asks the same of the vertices at the other point.
-        let within = lesser(SHARE_OF_EDGE * vertex.shortest, most);
-        let mut nearest = f64::INFINITY;
-        tree.near_segment([*p, *p], within, |j| {
-            let j = j as usize;
-            let apart = distance_up(*p, distinct[j]);
-            // Equal positions are another defect, with another repair.
-            if apart > 0.0 && apart <= within && apart <= SHARE_OF_EDGE * longest[j] {
-                nearest = lesser(apart, nearest);
+                vertex.shortest = lesser(length, vertex.shortest);
             }
-        });
-        if nearest < f64::INFINITY {
-            seams.gap = greater(nearest, seams.gap);
-            seams.vertices.add(|| Witness::vertex(mesh, vertex.row));
         }
+        let vertices: Vec<BoundaryVertex> = boundary.into_values().collect();
+        let points: Vec<[f64; 3]> = vertices.iter().map(|vertex| at(vertex.row)).collect();
+        let (distinct, longest) = distinct_places(&points, &vertices);
+        let tree = PointTree::new(&distinct);
+        let most = SHARE_OF_BOX * mesh.bounds().diagonal();
+        let mut seams = OpenSeams::default();
+        for (vertex, p) in vertices.iter().zip(&points) {
+            let within = lesser(SHARE_OF_EDGE * vertex.shortest, most);
+            let mut nearest = f64::INFINITY;
+            tree.near_segment([*p, *p], within, |j| {
+                let j = j as usize;
+                let apart = distance_up(*p, distinct[j]);
+                // Equal positions are another defect, with another repair.
+                if apart > 0.0 && apart <= within && apart <= SHARE_OF_EDGE * longest[j] {
+                    nearest = lesser(apart, nearest);
+                }
+            });
+            if nearest < f64::INFINITY {
+                seams.gap = greater(nearest, seams.gap);
+                seams.vertices.add(|| Witness::vertex(mesh, vertex.row));
+            }
+        }
+        seams
     }
-    seams
 }
 
 /// The points of vertices, and for each the longest of their shortest edges. Vertices at one position are one

@@ -1,9 +1,8 @@
 //! Self-intersections: pairs of faces that intersect outside their common corners and edges.
 use super::finding::{Finding, MAX_WITNESSES, MeshLocation, Witness, centre};
-use super::parallel::over_chunks;
 use super::thin::has_no_area;
 use super::triangle_intersection::{common_point, intersect_by_corner};
-use crate::budget::{Job, JobError};
+use crate::budget::{Job, JobError, over_chunks};
 use crate::explicit::{Mesh, PackedBoxes, position_id_by_bits};
 
 /// Finds the pairs of faces that share a point which is not on a common corner or edge. These are faces that

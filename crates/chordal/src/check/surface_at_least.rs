@@ -16,7 +16,7 @@
 //!
 //! which `6u·a + 2⁻¹⁰²²` covers together with the rounding of that product and sum. An overflow makes the
 //! result zero.
-use super::parallel::over_chunks;
+use crate::budget::over_chunks;
 use crate::explicit::Mesh;
 use crate::math::{Box3, add_down, add_up, div_down, greater, lesser, mul_down, mul_up, sqrt_up, sub_down};
 use glam::DVec3;

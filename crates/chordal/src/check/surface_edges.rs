@@ -1,9 +1,9 @@
 //! The edges of patches: the sides that are shared, and the smoothness of the surface there.
 use super::PointTree;
 use super::edge_join::{EdgeJoin, PatchSideId, apart, edge_join};
-use super::parallel::over_chunks;
+use crate::budget::over_chunks;
 use crate::explicit::{Bezier, Patch, PatchSide, shared_sides};
-use crate::math::{Box3, difference, length, lesser};
+use crate::math::{Box3, distance, lesser};
 use std::cell::Cell;
 
 /// The edges of patches, by the number of their sides.
@@ -119,9 +119,8 @@ fn curve_distance(a: &Bezier<3>, b: &Bezier<3>) -> f64 {
 
 /// The length of the control polygon of the shortest side that is not a point.
 fn shortest_side(patch: &Patch) -> f64 {
-    let polygon_length = |curve: Bezier<3>| {
-        curve.control.windows(2).fold(0.0, |sum, pair| sum + length(difference(pair[1], pair[0])))
-    };
+    let polygon_length =
+        |curve: Bezier<3>| curve.control.windows(2).fold(0.0, |sum, pair| sum + distance(pair[1], pair[0]));
     let sides = PatchSide::ALL.map(|side| patch.side(side)).into_iter().filter(|side| !side.is_point());
     sides.map(polygon_length).fold(f64::INFINITY, lesser)
 }

@@ -31,29 +31,34 @@ use std::collections::BTreeMap;
 /// ```
 #[must_use]
 pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -> Finding {
-    t_junctions_of(&MeshConnectivity::new(mesh, topology), within)
+    MeshConnectivity::new(mesh, topology).t_junctions(within)
 }
 
-pub(super) fn t_junctions_of(surface: &MeshConnectivity, within: Option<Tolerance>) -> Finding {
-    let mesh = surface.mesh;
+impl MeshConnectivity<'_> {
+    /// Vertices in the interior of an edge: [`t_junctions`].
+    #[must_use]
+    pub fn t_junctions(&self, within: Option<Tolerance>) -> Finding {
+        let mesh = self.mesh;
+        // Grouped by the first of the rows at one point, so that many coincident rows are examined only once for
+        // each edge.
     // Grouped by the first of the rows at one point, so that many coincident rows are examined only once for
     // each edge.
-    let mut edge_of: BTreeMap<u32, (Vec<u32>, u32)> = BTreeMap::new();
-    vertices_in_edges(surface, within, |rows, h| {
-        edge_of.entry(rows[0]).or_insert_with(|| (rows.to_vec(), h));
-    });
-    let each = edge_of.into_values().flat_map(|(rows, h)| rows.into_iter().map(move |row| (row, h)));
-    let mut each: Vec<(u32, u32)> = each.collect();
-    // No two of these rows have the same id, so the order is unique.
-    each.sort_unstable_by_key(|(row, _)| surface.id(*row));
-    let mut finding = Finding::default();
-    for (row, h) in each {
-        finding.add(|| Witness {
-            place: MeshLocation::OnEdge { vertex: row, edge: ends(mesh, h), face: h / 3 },
-            at: mesh.positions()[row as usize],
+        let mut edge_of: BTreeMap<u32, (Vec<u32>, u32)> = BTreeMap::new();
+        vertices_in_edges(self, within, |rows, h| {
+            edge_of.entry(rows[0]).or_insert_with(|| (rows.to_vec(), h));
         });
+        let each = edge_of.into_values().flat_map(|(rows, h)| rows.into_iter().map(move |row| (row, h)));
+        let mut each: Vec<(u32, u32)> = each.collect();
+        each.sort_unstable_by_key(|(row, _)| self.id(*row));
+        let mut finding = Finding::default();
+        for (row, h) in each {
+            finding.add(|| Witness {
+                place: MeshLocation::OnEdge { vertex: row, edge: ends(mesh, h), face: h / 3 },
+                at: mesh.positions()[row as usize],
+            });
+        }
+        finding
     }
-    finding
 }
 
 /// Calls `visit` with the rows of vertices at one point, one for each of their positions, and a half-edge,
@@ -172,7 +177,7 @@ mod tests {
         assert_eq!((visits, rows_visited), (N, u64::from(N * N)));
         let all: Vec<u32> = (0..6 * N).collect();
         assert_eq!(BoundaryPoints::new(&mesh, &all).points.len(), 6);
-        let found = t_junctions_of(&surface, None);
+        let found = surface.t_junctions(None);
         assert_eq!(found.count, u64::from(N));
         let expected = |i: u32| MeshLocation::OnEdge { vertex: 6 * i + 3, edge: [0, 1], face: 0 };
         assert!((0..).zip(&found.witnesses).all(|(i, witness)| witness.place == expected(i)));

@@ -1,7 +1,7 @@
 //! Triangles that are too thin: without area, exactly, and slivers, by their shape.
 use super::degenerate::has_zero_area;
 use super::finding::{Finding, Witness};
-use super::parallel::over_chunks;
+use crate::budget::over_chunks;
 use crate::explicit::{BLOCK, CornerBlock, Mesh};
 use crate::math::simd::{self, Kernel};
 use crate::math::{greater, lesser};

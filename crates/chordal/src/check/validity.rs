@@ -5,8 +5,8 @@ use super::edge_topology::EdgeTopology;
 use super::fans::{BoundaryKind, count_fans, walk_boundary};
 use super::finding::{Finding, Witness};
 use super::measure::{Measure, measure};
-use super::parallel::both;
 use super::thin::thin_faces;
+use crate::budget::both;
 use crate::explicit::{Mesh, Topology};
 
 /// The properties of a mesh. Rows of one point share a *position*; edges, fans and components are defined by
@@ -103,8 +103,12 @@ pub fn validity(mesh: &Mesh, topology: Topology) -> Validity {
     validity_with(&surface, shapes)
 }
 
-pub(super) fn validity_of(surface: &MeshConnectivity) -> Validity {
-    validity_with(surface, FaceShapes::new(surface.mesh))
+impl MeshConnectivity<'_> {
+    /// The properties of the mesh: [`validity`].
+    #[must_use]
+    pub fn validity(&self) -> Validity {
+        validity_with(self, FaceShapes::new(self.mesh))
+    }
 }
 
 /// The properties of a mesh's faces, each by itself.

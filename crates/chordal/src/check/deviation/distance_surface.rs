@@ -1,8 +1,18 @@
-//! `DistanceSurface`: one of two surfaces, with its distance queries.
-use super::subtriangle::DistanceSample;
+//! `DistanceSurface`: one of two surfaces, with its distance queries and their answers.
+use super::distance::distance_up;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh, Topology, Twins};
 use std::borrow::Cow;
+
+/// A point of one surface with a nearby face of the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DistanceSample {
+    pub at: [f64; 3],
+    /// An upper bound on the distance to the other surface.
+    pub up: f64,
+    /// The nearest face of the other surface, up to rounding.
+    pub face: u32,
+}
 
 /// A surface in the common frame, its bounding volume hierarchy, and its adjacency by bit-identical
 /// positions.
@@ -31,7 +41,7 @@ impl<'a> DistanceSurface<'a> {
     pub fn sample(&self, at: [f64; 3]) -> DistanceSample {
         match self.bvh.closest_point(at) {
             Some(closest) => {
-                let up = super::distance::distance_up(at, &self.mesh.corners(closest.face as usize));
+                let up = distance_up(at, &self.mesh.corners(closest.face as usize));
                 DistanceSample { at, up, face: closest.face }
             }
             // Nothing is known if the surface has no faces or the point is not finite.

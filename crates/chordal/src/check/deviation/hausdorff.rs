@@ -4,9 +4,9 @@
 //! Tasks of a round share nothing, so threads cannot change the result. Between rounds the lower bound rises
 //! to the farthest point that any piece has found.
 use super::cover::{Cover, CoverLimits, CoverScratch, cover};
-use super::distance_surface::DistanceSurface;
+use super::distance_surface::{DistanceSample, DistanceSurface};
 use super::shared::VertexDistances;
-use super::subtriangle::{DistanceSample, MeshSubtriangle};
+use super::subtriangle::MeshSubtriangle;
 use crate::budget::{Job, par_map};
 use crate::math::{add_up, greater, lesser, sub_down};
 use std::collections::VecDeque;

@@ -1,6 +1,5 @@
 //! The vertices and faces that two surfaces share bit by bit: their distance is 0 without a query.
-use super::distance_surface::DistanceSurface;
-use super::subtriangle::DistanceSample;
+use super::distance_surface::{DistanceSample, DistanceSurface};
 use crate::budget::{Job, par_map};
 use crate::explicit::{Mesh, position_id_by_bits};
 

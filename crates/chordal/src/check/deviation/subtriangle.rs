@@ -1,17 +1,7 @@
 //! `MeshSubtriangle`: a part of a triangle with distance samples at its corners, and the bounds that follow.
 use super::distance::{apart_up, distance_up, length_up};
-use super::distance_surface::DistanceSurface;
+use super::distance_surface::{DistanceSample, DistanceSurface};
 use crate::math::{DoubleDouble, greater, lesser};
-
-/// A point of one surface with a nearby face of the other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DistanceSample {
-    pub at: [f64; 3],
-    /// An upper bound on the distance to the other surface.
-    pub up: f64,
-    /// The nearest face of the other surface, up to rounding.
-    pub face: u32,
-}
 
 /// A triangle whose points stand for points of one triangle of a surface, each at most `slack` away.
 #[derive(Clone, Debug)]

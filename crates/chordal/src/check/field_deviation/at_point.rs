@@ -1,7 +1,6 @@
 //! `field_deviation_at`: lower bounds on the deviation of a mesh from a field, from one given point.
-use super::from_mesh::{is_inside, is_outside};
 use super::probe::{ProbeSharpness, probe_distances};
-use super::slope::distance_up;
+use super::slope::{distance_up, is_inside, is_outside};
 use super::{POINTS_A_BOX, leaf_failure, reach};
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh};

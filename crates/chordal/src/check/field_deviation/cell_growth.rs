@@ -15,7 +15,6 @@
 //! *Decided parts.* A part that planes bound is convex. If F has one sign in its interior, that interior is in one
 //! component of A*, or of B*, and a flow that reaches the part has reached that component: it may end there,
 //! and the mesh has to wind correctly around a point of the part.
-use super::cover::WindingProbe;
 use super::growth::direction;
 use super::local_trees::{LiteralSides, LocalTree, MOST_CASES, by_height, by_value, has_thin_zeros};
 use crate::implicit::{DualRange, Membership, Primitive};
@@ -36,6 +35,13 @@ pub(super) type KnownSign = (u32, bool);
 
 /// The parts into which a cell is cut, by the signs in each.
 type CellCut = Vec<Vec<KnownSign>>;
+
+/// A point of a component, around which the mesh has to wind correctly.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WindingProbe {
+    pub at: [f64; 3],
+    pub side: Membership,
+}
 
 /// A part of a cell in which a flow may end.
 #[derive(Clone, Debug)]

@@ -7,12 +7,9 @@
 //! faces have different vertices two triangles fill the gap, and a polygon does so at a vertex of three or
 //! more places. These have no area in the mesh, whose boundary stays zero; displaced they are proved like all
 //! other faces.
-use super::vertex_places::VertexPlaces;
+use super::vertex_places::{FaceCorner, VertexPlaces};
 use crate::explicit::Mesh;
 use std::collections::BTreeMap;
-
-/// A corner: a face of the mesh, and the number of one of its three corners.
-pub(super) type FaceCorner = (u32, u8);
 
 /// The triangles of a copy.
 #[derive(Clone, Debug)]

@@ -38,10 +38,11 @@
 //!
 //! Sources: F. Clarke, *Optimization and nonsmooth analysis*, 1983, 2.3 and 2.6; A. Filippov, *Differential
 //! equations with discontinuous righthand sides*, 1988.
-use super::cell_growth::{CellGrowth, DecidedPart};
+use super::cell_growth::{CellGrowth, DecidedPart, WindingProbe};
 use super::local_trees::{LiteralSides, LocalTrees};
 use super::regions::SignRegions;
-use super::walls;
+use super::slope::padded;
+use super::walls::{WallCell, cells_with_walls};
 use crate::implicit::{DualRange, LeafError, Membership, Primitive, PrimitiveEvaluator};
 use crate::math::{Box3, add_down, add_up, greater, lesser, mul_up, sub_up};
 
@@ -70,13 +71,6 @@ pub(super) struct CoverCell {
     pub tree: u32,
 }
 
-/// A point of a component, around which the mesh has to wind correctly.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WindingProbe {
-    pub at: [f64; 3],
-    pub side: Membership,
-}
-
 #[derive(Clone, Debug)]
 pub(super) struct FieldCover {
     /// The cube is `origin + [0, 2^DEEPEST·unit]³`.
@@ -100,8 +94,6 @@ const ROOM: f64 = 2.25;
 const OFF_CENTRE: [f64; 3] = [0.0137, 0.0071, -0.0113];
 /// The first level whose cells are classified: its boundary cells do not meet the bounds.
 const FIRST: u32 = 2;
-/// Ranges are taken over boxes that exceed their cells by this share of the largest coordinate.
-const PAD: f64 = 8.0 * f64::EPSILON;
 /// The share of the job's memory for cells and their trees: the mesh, its copies and the queries need the
 /// rest.
 const MEMORY_SHARE: u64 = 8;
@@ -350,9 +342,15 @@ impl FieldCover {
         let cells: Vec<u32> =
             self.open[first_open..].iter().copied().filter(|cell| has_walls(*cell)).collect();
         for part in cells.chunks(WALLS_AT_ONCE) {
-            let along: Vec<(u32, usize)> =
-                part.iter().flat_map(|cell| (0..3).map(|axis| (*cell, axis))).collect();
-            for (cell, points) in walls::cells_with_walls(self, regions, evaluator, &along)? {
+            let along: Vec<WallCell> = part
+                .iter()
+                .flat_map(|cell| {
+                    let bounds = self.bounds_of(&self.cells[*cell as usize]);
+                    let side = self.size_of(*cell);
+                    (0..3).map(move |axis| WallCell { cell: *cell, axis, bounds, side })
+                })
+                .collect();
+            for (cell, points) in cells_with_walls(regions, evaluator, &along)? {
                 let state = &mut self.cells[cell as usize].state;
                 // A cell is tried along all three axes, and the first wall decides it.
                 if *state == CellState::Open {
@@ -508,10 +506,4 @@ fn root(sets: &mut [u32], mut cell: u32) -> u32 {
         cell = sets[cell as usize];
     }
     cell
-}
-
-pub(super) fn padded(bounds: &Box3) -> Box3 {
-    let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| greater(b.abs(), a));
-    let pad = PAD * reach;
-    Box3 { min: bounds.min.map(|x| (x - pad).next_down()), max: bounds.max.map(|x| (x + pad).next_up()) }
 }

@@ -25,6 +25,7 @@
 //! sides.
 //!
 //! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
+use super::face_side_cache::{FaceSide, FaceSideCache};
 use super::local_trees::{LiteralSides, LocalTree};
 use super::regions::SignRegions;
 use super::slope::{dot as product, step};
@@ -34,7 +35,6 @@ use crate::math::{
     Box3, Interval, add_down, add_up, difference, dot, greater, length, length_up, lesser, mul_up, sub_down,
     sub_up,
 };
-use std::collections::HashMap;
 
 /// A bound on the distance of a point of a triangle from its piece along each axis, relative to its largest
 /// coordinate: derived, each of up to [`MOST_CUTS`] midpoints is rounded by at most half of ε; taken three
@@ -50,17 +50,6 @@ pub(super) struct SideQuery<'a> {
     pub side: Membership,
     /// The most bisections.
     pub cuts: u32,
-}
-
-/// The verdict on a triangle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FaceSide {
-    /// All of it is on the required side.
-    Proved,
-    /// Not proved.
-    Open,
-    /// A part of it is certainly on the other side.
-    Wrong,
 }
 
 /// The most pieces at a time: so many for each face, and so many in addition. With more of them, the faces
@@ -90,54 +79,15 @@ struct TriangleSplit {
 
 type CornerValues = [[f64; 2]; 3];
 
-/// Verdicts of earlier queries: most triangles do not change from one mesh to the next.
-#[derive(Clone, Debug)]
-pub(super) struct FaceSideCache {
-    // It is never iterated.
-    verdicts: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
-    /// The most triangles kept.
-    most: usize,
-}
-
-/// The most triangles kept, for any amount of memory: some hundred megabytes.
-const MOST_VERDICTS: usize = 1 << 20;
-/// Bytes per entry, about: twice its size, as tables grow by doubling.
-const BYTES_PER_VERDICT: u64 = 200;
-/// The share of the job's memory for the entries.
-const VERDICTS_SHARE: u64 = 16;
-
-impl FaceSideCache {
-    pub fn new(memory_limit: u64) -> Self {
-        let most = memory_limit / VERDICTS_SHARE / BYTES_PER_VERDICT;
-        let most = usize::try_from(most).unwrap_or(MOST_VERDICTS).min(MOST_VERDICTS);
-        Self { verdicts: HashMap::new(), most } // No order depends on it.
-    }
-
-    /// The key of a triangle: the bits of its corners and the required side.
-    fn key(question: &SideQuery, face: &[u32; 3]) -> [u64; 10] {
-        let corners = face.map(|v| question.positions[v as usize]);
-        let mut key = [0; 10];
-        for (bits, x) in key.iter_mut().zip(corners.as_flattened()) {
-            *bits = x.to_bits();
-        }
-        key[9] = u64::from(question.side == Membership::Inside);
-        key
-    }
-
-    /// The cached verdict, if it was found with at least as many bisections.
-    fn get(&self, key: &[u64; 10], cuts: u32) -> Option<FaceSide> {
-        let (side, with) = self.verdicts.get(key)?;
-        (*side != FaceSide::Open || *with >= cuts).then_some(*side)
-    }
-}
-
 /// Classifies every triangle.
 pub(super) fn classify_sides(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     question: &SideQuery,
 ) -> Result<Vec<FaceSide>, LeafError> {
-    let keys: Vec<[u64; 10]> = question.faces.iter().map(|face| FaceSideCache::key(question, face)).collect();
+    let corners = |face: &[u32; 3]| face.map(|v| question.positions[v as usize]);
+    let key = |face: &[u32; 3]| FaceSideCache::key(&corners(face), question.side);
+    let keys: Vec<[u64; 10]> = question.faces.iter().map(key).collect();
     let cached: Vec<Option<FaceSide>> =
         keys.iter().map(|key| regions.face_sides.get(key, question.cuts)).collect();
     let unknown: Vec<usize> = (0..cached.len()).filter(|k| cached[*k].is_none()).collect();
@@ -145,14 +95,12 @@ pub(super) fn classify_sides(
     let mut computed =
         classify_uncached(regions, evaluator, &SideQuery { faces: &faces, ..*question })?.into_iter();
     // Emptied and not trimmed: which of the old verdicts will be asked for again is not known.
-    if regions.face_sides.verdicts.len() + unknown.len() > regions.face_sides.most {
-        regions.face_sides.verdicts.clear();
-    }
+    regions.face_sides.reserve(unknown.len());
     let mut results = Vec::with_capacity(cached.len());
     for (key, cached) in keys.into_iter().zip(cached) {
         results.push(cached.or_else(|| computed.next()).expect("what is not known was looked at"));
         if cached.is_none() {
-            regions.face_sides.verdicts.insert(key, (results[results.len() - 1], question.cuts));
+            regions.face_sides.insert(key, results[results.len() - 1], question.cuts);
         }
     }
     Ok(results)

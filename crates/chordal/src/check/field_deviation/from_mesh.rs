@@ -23,7 +23,9 @@
 //!
 //! Conversely, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: the surface is at
 //! least so far.
-use super::slope::{GrowthRate, distance_up, dot, exactly, inflated, is_lipschitz, steepest, step};
+use super::slope::{
+    GrowthRate, distance_up, dot, exactly, inflated, is_inside, is_lipschitz, is_outside, steepest, step,
+};
 use super::surface_ball::{SurfaceBall, min_with_ball};
 use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{
@@ -357,16 +359,6 @@ pub(super) fn bound_by_shift(
         }
     }
     Ok(())
-}
-
-/// Whether all values are inside. A range that is not defined may contain undefined values, which are
-/// outside.
-pub(super) fn is_inside(range: Interval) -> bool {
-    range.is_defined() && range.hi() < 0.0
-}
-
-pub(super) fn is_outside(range: Interval) -> bool {
-    range.is_defined() && range.lo() >= 0.0
 }
 
 /// A vector scaled to length 1 up to rounding; the z axis if it has no direction.

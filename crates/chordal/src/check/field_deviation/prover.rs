@@ -9,15 +9,15 @@
 //! winds once around it, and the inner copy misses it and does not wind around it: a flow that ends in the
 //! cell ends in a component of A* around which the outer copy winds once, since it misses A*; likewise for
 //! B*. So if solids touch, cells between both copies settle the place.
-use super::cover::{FieldCover, WindingProbe};
+use super::cell_growth::WindingProbe;
+use super::cover::FieldCover;
 use super::leaf_failure;
 use super::regions::SignRegions;
 use super::sandwich::{ClosedMesh, Sandwich, SandwichGoal};
-use super::separation::is_separated;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{Box3, add_up, greater, sub_down};
+use crate::math::{Box3, add_up, cross, difference, greater, sub_down};
 
 /// The verdict on a mesh.
 #[derive(Clone, Debug)]
@@ -204,4 +204,37 @@ impl SandwichCopies<'_> {
             is_free && self.winding(copy, centre) == WINDINGS[copy]
         })
     }
+}
+
+/// Rounding of a comparison, relative to the largest coordinate times the axis: derived, some ten roundings
+/// of numbers up to twice that.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Whether no point of the triangle is in the box; `false` if that is uncertain.
+pub(super) fn is_separated(bounds: &Box3, corners: &[[f64; 3]; 3]) -> bool {
+    let outside = |k: usize| {
+        corners.iter().all(|p| p[k] < bounds.min[k]) || corners.iter().all(|p| p[k] > bounds.max[k])
+    };
+    if (0..3).any(outside) {
+        return true;
+    }
+    let centre = bounds.centre();
+    let half: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds.max[k] - bounds.min[k]));
+    let local = corners.map(|p| difference(p, centre));
+    let coordinates = corners.as_flattened().iter().chain(&bounds.min).chain(&bounds.max);
+    let reach = coordinates.fold(0.0, |most: f64, x| greater(x.abs(), most));
+    let separates = |axis: [f64; 3]| {
+        let along = local.map(|p| axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2]);
+        let size = axis[0].abs() + axis[1].abs() + axis[2].abs();
+        let radius = (0..3).fold(0.0, |sum, k| sum + axis[k].abs() * half[k]);
+        let far = radius + ROUNDING * size * reach;
+        along.iter().all(|x| *x > far) || along.iter().all(|x| *x < -far)
+    };
+    let sides: [[f64; 3]; 3] = std::array::from_fn(|k| difference(local[(k + 1) % 3], local[k]));
+    if separates(cross(sides[0], sides[1])) {
+        return true;
+    }
+    sides
+        .iter()
+        .any(|[x, y, z]| separates([0.0, *z, -y]) || separates([-z, 0.0, *x]) || separates([*y, -x, 0.0]))
 }

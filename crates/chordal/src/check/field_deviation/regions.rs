@@ -4,7 +4,7 @@
 //! A region is a cell extended by half of its size, so a box that is smaller than a cell lies in the region
 //! of the cell that holds its centre. A region is created when enough boxes need it; each stores the tree
 //! that its primitives' signs leave open.
-use super::face_sides::FaceSideCache;
+use super::face_side_cache::FaceSideCache;
 use super::local_trees::{LiteralSides, LocalTrees};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;

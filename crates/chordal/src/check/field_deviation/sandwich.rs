@@ -27,14 +27,15 @@
 //! condition holds. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
 //! rounded up. The displacements are a guess ([`super::displacement`]): as short as the samples allow plus a
 //! margin, which grows if the proof needs it.
-use super::copy_mesh::{CopyMesh, FaceCorner};
+use super::copy_mesh::CopyMesh;
 use super::displacement::{
     DisplacementNormals, FaceConstraint, FaceConstraints, HalfSpace, MaxDisplacement, deviations,
     face_constraints, shortest_displacement,
 };
-use super::face_sides::{FaceSide, MOST_CUTS, SideQuery, classify_sides};
+use super::face_side_cache::FaceSide;
+use super::face_sides::{MOST_CUTS, SideQuery, classify_sides};
 use super::regions::SignRegions;
-use super::vertex_places::{VertexPlaces, convexity, places, ring};
+use super::vertex_places::{FaceCorner, VertexPlaces, convexity, places, ring};
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{Box3, greater, length, length_up, lesser};

@@ -1,6 +1,6 @@
-//! Growth of a field along a direction, and the largest slope, from the range of its gradient.
+//! Boxes and the ranges of a field over them: its sign, its largest slope, and its growth along a direction.
 use crate::implicit::Dual;
-use crate::math::{Box3, Interval, div_up, greater, length_up};
+use crate::math::{Box3, Interval, div_up, greater, length, length_up};
 
 /// `v · w`, enclosed.
 pub(super) fn dot(v: [Interval; 3], w: [Interval; 3]) -> Interval {
@@ -30,6 +30,16 @@ pub(super) fn inflated(bounds: &Box3, margin: f64) -> Box3 {
     }
 }
 
+/// Ranges are taken over boxes that exceed their cells by this share of the largest coordinate.
+const PAD: f64 = 8.0 * f64::EPSILON;
+
+/// The box extended by a little more than rounding moves its corners.
+pub(super) fn padded(bounds: &Box3) -> Box3 {
+    let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| greater(b.abs(), a));
+    let pad = PAD * reach;
+    Box3 { min: bounds.min.map(|x| (x - pad).next_down()), max: bounds.max.map(|x| (x + pad).next_up()) }
+}
+
 /// The growth of a field along a direction within a box.
 pub(super) struct GrowthRate {
     /// The length of the direction, rounded up.
@@ -54,7 +64,7 @@ impl GrowthRate {
             return None;
         }
         let scaled = middle.map(|x| x / size);
-        let norm = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
+        let norm = length(scaled);
         Self::along_direction(slope, scaled.map(|x| x / norm))
     }
 
@@ -74,6 +84,16 @@ impl GrowthRate {
 pub(super) fn is_lipschitz(slope: &Dual<Interval>) -> bool {
     let bounded = |d: &Interval| d.is_defined() && d.lo() > f64::NEG_INFINITY && d.hi() < f64::INFINITY;
     slope.value.is_defined() && slope.gradient.iter().all(bounded)
+}
+
+/// Whether all values are inside. A range that is not defined may contain undefined values, which are
+/// outside.
+pub(super) fn is_inside(range: Interval) -> bool {
+    range.is_defined() && range.hi() < 0.0
+}
+
+pub(super) fn is_outside(range: Interval) -> bool {
+    range.is_defined() && range.lo() >= 0.0
 }
 
 /// The largest slope in the box, rounded up.

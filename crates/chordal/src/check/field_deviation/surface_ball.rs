@@ -5,8 +5,7 @@
 //! make a ball around the midpoint of their segment that holds a point of the surface. No point of a triangle
 //! is farther from the surface than the distance of its farthest corner to the ball's centre plus the ball's
 //! radius, because the distance to one point is convex.
-use super::from_mesh::{is_inside, is_outside};
-use super::slope::distance_up;
+use super::slope::{distance_up, is_inside, is_outside};
 use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, Interval, add_up, greater, lesser, mul_up};
 

@@ -1,5 +1,6 @@
 //! Tests of the prover against meshes with known deviations, and against planted faults.
-use super::face_sides::{FaceSide, SideQuery, classify_sides};
+use super::face_side_cache::FaceSide;
+use super::face_sides::{SideQuery, classify_sides};
 use super::prover::{SandwichProver, SandwichVerdict};
 use super::regions::SignRegions;
 use super::sandwich::SandwichGoal;

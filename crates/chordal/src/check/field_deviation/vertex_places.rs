@@ -4,9 +4,11 @@
 //! Runs overlap by some faces, which have a displacement at either place. The copy is cut there along an
 //! edge: outward along a convex one, since beyond the planes of its two faces all is outside, inward along a
 //! concave one. This is a guess like every displacement: the resulting faces are proved.
-use super::copy_mesh::FaceCorner;
 use crate::explicit::Mesh;
 use crate::math::{cross, difference, dot, length};
+
+/// A corner: a face of the mesh, and the number of one of its three corners.
+pub(super) type FaceCorner = (u32, u8);
 
 /// The faces around a vertex in order, and its places.
 #[derive(Clone, Debug)]

@@ -17,9 +17,10 @@
 //!
 //! So a flow that ends in the cell ends in a part, and the mesh has to wind correctly around a point of each
 //! part.
-use super::cover::{FieldCover, WindingProbe, padded};
+use super::cell_growth::WindingProbe;
 use super::local_trees::LiteralSides;
 use super::regions::SignRegions;
+use super::slope::padded;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
@@ -28,6 +29,15 @@ use crate::math::Box3;
 const REACH: f64 = 2.25;
 /// Bisections in the search for zeros on the middle line.
 const HALVINGS: usize = 40;
+
+/// A cell, and the axis along which its walls may be graphs.
+pub(super) struct WallCell {
+    pub cell: u32,
+    pub axis: usize,
+    pub bounds: Box3,
+    /// The length of its sides.
+    pub side: f64,
+}
 
 /// The box P of a cell.
 struct WallPrism {
@@ -43,18 +53,18 @@ struct WallPrism {
 
 /// The cells to which the lemma applies, with the points of their parts.
 pub(super) fn cells_with_walls(
-    cover: &FieldCover,
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
-    cells: &[(u32, usize)],
+    cells: &[WallCell],
 ) -> Result<Vec<(u32, Vec<WindingProbe>)>, LeafError> {
-    let boxes: Vec<Box3> = cells.iter().map(|(cell, axis)| long_box(cover, *cell, *axis)).collect();
+    let boxes: Vec<Box3> = cells.iter().map(long_box).collect();
     let trees = regions.trees_of(evaluator, &boxes)?;
     let mut prisms = Vec::new();
-    for (((cell, axis), bounds), tree) in cells.iter().zip(&boxes).zip(trees) {
+    for ((wall, bounds), tree) in cells.iter().zip(&boxes).zip(trees) {
         if let Ok(tree) = tree {
             let (sides, levels) = (Vec::new(), Vec::new());
-            prisms.push(WallPrism { cell: *cell, axis: *axis, bounds: *bounds, tree, sides, levels });
+            let (cell, axis) = (wall.cell, wall.axis);
+            prisms.push(WallPrism { cell, axis, bounds: *bounds, tree, sides, levels });
         }
     }
     monotone(regions, evaluator, &mut prisms)?;
@@ -62,11 +72,11 @@ pub(super) fn cells_with_walls(
     points(regions, evaluator, &prisms)
 }
 
-fn long_box(cover: &FieldCover, cell: u32, axis: usize) -> Box3 {
-    let mut bounds = cover.bounds_of(&cover.cells[cell as usize]);
-    let reach = REACH * cover.size_of(cell);
-    bounds.min[axis] -= reach;
-    bounds.max[axis] += reach;
+fn long_box(wall: &WallCell) -> Box3 {
+    let mut bounds = wall.bounds;
+    let reach = REACH * wall.side;
+    bounds.min[wall.axis] -= reach;
+    bounds.max[wall.axis] += reach;
     padded(&bounds)
 }
 

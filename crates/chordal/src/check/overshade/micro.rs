@@ -1,7 +1,6 @@
 //! `MicroTriangles`: the number of triangles that are smaller than a pixel at a view.
 use super::binning::BinnedMesh;
-use crate::budget::{Job, JobError, MinDistanceView, Projection, View};
-use crate::check::parallel::over_chunks;
+use crate::budget::{Job, JobError, MinDistanceView, Projection, View, over_chunks};
 use crate::explicit::{HitSides, Mesh};
 use glam::DVec3;
 
