@@ -1,7 +1,7 @@
 //! The arrow from a field to a triangle mesh.
+use super::budget_search::length_from_pixels;
 use super::fields::{FieldMeshGoal, draft, measured_draft, search};
 use super::fields_with_meshes;
-use super::length_from_pixels::length_from_pixels;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, RequiredEvidence, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::Field;

@@ -1,6 +1,6 @@
 //! The arrow from a field of the plane to its level curve: `field_to_polyline`.
+use super::budget_search::length_from_pixels;
 use super::contours::{ContourGoal, outline_lines, search};
-use super::length_from_pixels::length_from_pixels;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, RequiredEvidence, Tolerance};
 use crate::explicit::Polyline;
 use crate::implicit::Field;

@@ -1,4 +1,5 @@
 //! The arrow from samples on a lattice to triangles: `grid_to_mesh`.
+use super::budget_search::length_from_pixels;
 use super::cubes::bound::{IsosurfaceDistance, IsosurfaceProof};
 use super::cubes::marching_cubes::{Coordinate, Isosurface, MarchingPlan, march, refusal};
 use super::cubes::normals::gradient_normals;
@@ -7,7 +8,6 @@ use super::cubes::refinement::{
 };
 use super::cubes::rule::{Normals, Polygonize};
 use super::cubes::source::{BrickSamples, DenseSamples, SampleSource};
-use super::length_from_pixels::length_from_pixels;
 use crate::budget::{
     Bound, Bounded, Budget, Evidence, Failure, Job, JobError, Reference, RefusalCode, Tolerance,
 };

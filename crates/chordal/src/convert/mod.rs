@@ -23,7 +23,6 @@ mod grid_to_polyline;
 mod labels_to_meshes;
 mod ladder;
 mod lattice;
-mod length_from_pixels;
 mod mask_to_smooth_mesh;
 mod mesh_leaf;
 mod mesh_to_field;
@@ -43,6 +42,7 @@ mod redistance;
 mod sweep;
 mod triangles;
 mod trimmed_surfaces_to_mesh;
+mod upright_solid;
 mod view_dependent_mesher;
 
 pub use bevel::outlines_to_bevelled_solid;

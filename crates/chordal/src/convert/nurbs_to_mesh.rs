@@ -1,5 +1,5 @@
 //! The arrow from NURBS surfaces to triangles: by way of bicubic patches, proved.
-use super::length_from_pixels::{length_from_pixels, remaining_pixels};
+use super::budget_search::{length_from_pixels, remaining_pixels};
 use super::nurbs::fit::fit;
 use super::patches_to_mesh::patches_to_mesh;
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};

@@ -1,9 +1,8 @@
 //! The arrow from outlines to triangles in the plane z = 0: the areas that are inside by the outlines' fill rules.
-use super::budget_search::too_close;
+use super::budget_search::{remaining_pixels, too_close};
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
-use super::length_from_pixels::remaining_pixels;
-use super::outlines_to_solid::upright_solid;
+use super::upright_solid::upright_solid;
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
 use crate::explicit::fill::snap_grid::SnapGrid;

@@ -1,5 +1,5 @@
 //! The arrow from faces, which are trimmed NURBS surfaces, to triangles: sewn where faces meet, proved.
-use super::length_from_pixels::length_from_pixels;
+use super::budget_search::length_from_pixels;
 use super::nurbs::trimmed_mesh::{TrimmedMesh, mesh_within};
 use super::nurbs_to_mesh::{check_surfaces, nurbs_to_mesh, refuse_slack, with_slack};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};

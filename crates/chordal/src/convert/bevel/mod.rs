@@ -6,7 +6,8 @@ mod roof;
 
 use super::budget_search::length_within;
 use super::outlines_to_mesh::outlines_to_mesh;
-use super::outlines_to_solid::{FanFaces, LARGEST};
+use super::outlines_to_solid::LARGEST;
+use super::upright_solid::FanFaces;
 use crate::budget::{Bound, Bounded, Budget, Evidence, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::explicit::{Mesh, Outline};
 use crate::math::{Box3, add_up, greater, lesser, mul_up, sub_down};

@@ -7,10 +7,8 @@
 //! Around a corner the squares make a disc: four in a face of the lattice, four along an edge of it, three at
 //! its corner. No polygon has a diagonal between two crossings, so none of its inner edges is an edge of a cell.
 //! Hence the mesh stays a closed manifold.
-use super::marching_cubes::MarchingPlan;
 use super::rule::Border;
 use super::sign_bits::SignBits;
-use crate::implicit::Affine3;
 
 /// A square of the border: its corners counter-clockwise as seen from outside.
 pub(super) type CapSquare = [[usize; 3]; 4];
@@ -71,25 +69,7 @@ pub(in crate::convert) fn triangles(
     }
 }
 
-/// Writes the triangles of the caps.
-pub(super) fn write(plan: &MarchingPlan, affine: &Affine3, faces: &mut [[u32; 3]]) {
-    let upright = affine.orientation() > 0;
-    let mut out = faces.iter_mut();
-    for_each_square(&plan.bits, |square| {
-        let inside = square.map(|at| plan.bits.is_inside(at));
-        let number = |spot: CapVertex| match spot {
-            CapVertex::Corner(i) => plan.vertex(3, square[i]),
-            CapVertex::Side(i) => crossing(plan, square[i], square[(i + 1) % 4]),
-        };
-        triangles(inside, number, |[a, b, c]| {
-            if let Some(out) = out.next() {
-                *out = if upright { [a, b, c] } else { [a, c, b] };
-            }
-        });
-    });
-}
-
-/// Visits the triangles that [`write`] makes, in their order: the axis and the end of its border, the first corner of its
+/// Visits the triangles of all caps, in the order in which they are written: the axis and the end of its border, the first corner of its
 /// square along the next two axes, and its number there.
 pub(super) fn for_each_triangle(bits: &SignBits, mut each: impl FnMut(usize, usize, [usize; 2], u8)) {
     for_each_square(bits, |square| {
@@ -112,12 +92,6 @@ pub(super) fn for_each_triangle(bits: &SignBits, mut each: impl FnMut(usize, usi
 fn border_of(square: &CapSquare, size: [usize; 3]) -> (usize, usize) {
     let axis = (0..3).find(|&k| square.iter().all(|at| at[k] == square[0][k])).unwrap_or(0);
     (axis, usize::from(square[0][axis] + 1 == size[axis]))
-}
-
-/// The vertex between two neighbouring samples of different sides.
-fn crossing(plan: &MarchingPlan, a: [usize; 3], b: [usize; 3]) -> u32 {
-    let axis = (0..3).find(|&k| a[k] != b[k]).unwrap_or(0);
-    plan.vertex(axis, if a[axis] < b[axis] { a } else { b })
 }
 
 /// The squares of capped borders on a cell.
@@ -149,7 +123,7 @@ fn square(axis: usize, end: usize, [p, q]: [usize; 2], size: [usize; 3]) -> CapS
 }
 
 /// Visits all squares of capped borders with an inside sample, in a fixed order.
-fn for_each_square(bits: &SignBits, mut each: impl FnMut(CapSquare)) {
+pub(super) fn for_each_square(bits: &SignBits, mut each: impl FnMut(CapSquare)) {
     let size = bits.size;
     for axis in 0..3 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

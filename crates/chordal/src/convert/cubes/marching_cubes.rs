@@ -246,7 +246,7 @@ pub(crate) fn march<P: Coordinate, S: SampleSource>(
             );
         }
     });
-    caps::write(&plan, affine, rest);
+    write_caps(&plan, affine, rest);
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
@@ -391,4 +391,28 @@ fn write_faces(plan: &MarchingPlan, slab: &LatticeSlab, cells: &[CubeCase; 256],
             }
         }
     }
+}
+
+/// Writes the triangles of the caps.
+fn write_caps(plan: &MarchingPlan, affine: &Affine3, faces: &mut [[u32; 3]]) {
+    let upright = affine.orientation() > 0;
+    let mut out = faces.iter_mut();
+    caps::for_each_square(&plan.bits, |square| {
+        let inside = square.map(|at| plan.bits.is_inside(at));
+        let number = |spot: caps::CapVertex| match spot {
+            caps::CapVertex::Corner(i) => plan.vertex(3, square[i]),
+            caps::CapVertex::Side(i) => crossing(plan, square[i], square[(i + 1) % 4]),
+        };
+        caps::triangles(inside, number, |[a, b, c]| {
+            if let Some(out) = out.next() {
+                *out = if upright { [a, b, c] } else { [a, c, b] };
+            }
+        });
+    });
+}
+
+/// The vertex between two neighbouring samples of different sides.
+fn crossing(plan: &MarchingPlan, a: [usize; 3], b: [usize; 3]) -> u32 {
+    let axis = (0..3).find(|&k| a[k] != b[k]).unwrap_or(0);
+    plan.vertex(axis, if a[axis] < b[axis] { a } else { b })
 }

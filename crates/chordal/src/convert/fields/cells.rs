@@ -3,8 +3,7 @@ use super::growth::{GradientBox, grow_together};
 use super::tetrahedra::Tetrahedra;
 use crate::implicit::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive};
 use crate::math::{cross, dot, greater, length, lesser};
-use std::collections::HashMap;
-use std::collections::hash_map;
+use std::collections::{HashMap, hash_map};
 use std::sync::Arc;
 
 /// A CSG tree restricted to a region, with its primitives.
@@ -244,7 +243,7 @@ impl CellTest<'_> {
         let half = gradient.each_ref().map(|d| 0.5 * (d.hi() - d.lo()));
         let by_axis = 0.5 * dot(half, self.sizes.widths);
         let stretched: [f64; 3] = std::array::from_fn(|k| self.sizes.stretch[k] * half[k]);
-        let by_length = dot(stretched, stretched).sqrt() * ENCLOSING * self.sizes.longest;
+        let by_length = length(stretched) * ENCLOSING * self.sizes.longest;
         lesser(by_axis, by_length)
     }
 
@@ -453,4 +452,35 @@ fn min_max(values: &[f64; 4]) -> [f64; 2] {
     values
         .iter()
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [lesser(*v, low), greater(*v, high)])
+}
+
+/// The cells at each vertex, as linked lists in one store.
+#[derive(Debug, Default)]
+pub(super) struct CellsAtVertices {
+    /// By vertex: its first node.
+    first: Vec<u32>,
+    /// A cell, and the next node.
+    nodes: Vec<(u32, u32)>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl CellsAtVertices {
+    pub fn push(&mut self, vertex: u32, cell: u32) {
+        let vertex = vertex as usize;
+        if self.first.len() <= vertex {
+            self.first.resize(vertex + 1, NONE);
+        }
+        self.nodes.push((cell, self.first[vertex]));
+        self.first[vertex] = self.nodes.len() as u32 - 1;
+    }
+
+    pub fn cells_at(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let mut node = self.first.get(vertex as usize).copied().unwrap_or(NONE);
+        std::iter::from_fn(move || {
+            let (cell, next) = *self.nodes.get(node as usize)?;
+            node = next;
+            Some(cell)
+        })
+    }
 }

@@ -3,9 +3,10 @@
 //! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
 //! undecided primitives have a common direction in which they grow. Decided tetrahedra are dropped: they
 //! contain no boundary, whatever their neighbours look like. All others form a conforming mesh.
-use super::cells::{CellSizes, CellTest, PrunedTree, PrunedTreeCache, ZeroSide};
-use super::cells::{index_of, prune, range_side, zeros};
-use super::cells_at_vertices::CellsAtVertices;
+use super::cells::{
+    CellSizes, CellTest, CellsAtVertices, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side,
+    zeros,
+};
 use super::sampled_signs::SampledSigns;
 use super::sizing::{SizingField, SizingPoint};
 use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};

@@ -2,7 +2,6 @@
 mod arrangement;
 mod border_functions;
 mod cells;
-mod cells_at_vertices;
 mod contacts;
 mod corner_gradients;
 mod draft;
@@ -15,6 +14,7 @@ mod improve;
 mod material_borders;
 mod mesher;
 mod open_places;
+mod paint;
 mod polygon_triangulation;
 mod sampled_signs;
 mod search;

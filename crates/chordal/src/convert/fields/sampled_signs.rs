@@ -4,8 +4,7 @@
 //! into small cells, functions are sampled once on a lattice as dense as the corners of such cells, and a cell stays large
 //! if all samples in it and around it are on one side.
 use super::cells::ZeroSide;
-use super::grid::FieldGridError;
-use crate::implicit::PrimitiveEvaluator;
+use crate::implicit::{LeafError, PrimitiveEvaluator};
 use crate::math::{Box3, greater, lesser};
 
 /// Lattice steps per longest edge of cells, for as many lattice points as corners. Counted: 92,287 corners and
@@ -51,7 +50,7 @@ impl SampledSigns {
         zero: &[ZeroSide],
         bounds: Box3,
         coarsest: f64,
-    ) -> Result<Self, FieldGridError> {
+    ) -> Result<Self, LeafError> {
         let sides: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
         let n_steps = sides.map(|side| greater((STEPS * side / coarsest).ceil(), FEWEST));
         let steps: [f64; 3] = std::array::from_fn(|k| sides[k] / n_steps[k]);

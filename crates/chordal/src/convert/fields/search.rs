@@ -1,9 +1,10 @@
 //! Searches for a mesh of a field within a budget: a length or a number of triangles, proved or measured.
-use super::face_materials::{FaceMaterials, with_labels};
+use super::face_materials::FaceMaterials;
 use super::grid::FieldGridStatus;
 use super::improve::SurfaceImprover;
 use super::mesher::{FieldMeshGoal, FieldMesher, ImprovedSurface, leaf_failure, longest};
 use super::open_places::open_places;
+use super::paint::with_labels;
 use crate::budget::{
     Bounded, Failure, Job, OpenPlaces, Progress, ProofEffort, RefusalCode, RequiredEvidence, Tolerance,
 };

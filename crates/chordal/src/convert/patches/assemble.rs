@@ -1,10 +1,9 @@
 //! Assembles finished tiles into one mesh: numbers the vertices and shares normals where the surface is
 //! smooth.
 use super::adjacency::{PatchAdjacency, SideBoundary};
-use super::plan::PatchTile;
+use super::patch_tile::{PatchTile, PatchTileMesh};
 use super::seams::TileSeams;
 use super::subpatch::Subpatch;
-use super::tile::PatchTileMesh;
 use super::tile_border::{self, BorderVertex};
 use crate::explicit::{Attribute, Mesh, PatchSide, face_normal};
 use glam::DVec3;

@@ -7,9 +7,8 @@
 //! data on which their proof depends, their part of the surface, their cells and the vertices on their border, are equal
 //! bit for bit. So the bound of the mesh is proved for this view, like that of a mesh built from nothing.
 use super::allowance::{Allowance, TessellationFailure};
-use super::mesher::{CertifiedTiles, PatchMesher, TilePlan};
-use super::plan;
-use super::sheet_plan::PlanBefore;
+use super::mesher::{CertifiedTiles, PatchMesher};
+use super::plan::{self, PlanBefore, TilePlan};
 use crate::budget::{Bounded, Failure, RefusalCode};
 use crate::explicit::Mesh;
 use crate::math::greater;
@@ -114,6 +113,7 @@ impl CertifiedTiles<'_> {
 mod tests {
     use super::*;
     use crate::budget::{Job, Pixels, View};
+    use crate::convert::patches::patch_tile::PatchTileMesh;
     use crate::convert::patches::subpatch::{BezierPatches, PatchSurface};
     use crate::convert::patches::tile;
     use crate::explicit::Patch;
@@ -153,7 +153,7 @@ mod tests {
             for (index, (place, done)) in made.tiles.iter().enumerate() {
                 let anew = tile::build(index, place, &made.subpatches[place.subpatch as usize], &made.seams);
                 assert_eq!(anew.triangles, done.triangles);
-                let bits = |tile: &tile::PatchTileMesh| {
+                let bits = |tile: &PatchTileMesh| {
                     let numbers = [&tile.inner, &tile.inner_normals].map(|list| list.as_flattened().to_vec());
                     numbers.concat().iter().chain([&tile.bound]).map(|x| x.to_bits()).collect::<Vec<_>>()
                 };

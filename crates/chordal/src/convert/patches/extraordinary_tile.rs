@@ -40,13 +40,11 @@
 //! and of the control points are in [`ExtraordinaryQuad::rounding_error`] and in the rounding bound of each
 //! piece. The error of a triangle's unit normal is some roundings times the square of its longest edge over
 //! its doubled area; it tilts the plane, and is added as such.
-use super::extraordinary::ExtraordinaryQuad;
-use super::plan::PatchTile;
+use super::patch_tile::{PatchTile, PatchTileMesh};
 use super::seams::TileSeams;
-use super::tile::PatchTileMesh;
 use super::tile_border::{BorderVertex, walk_side};
 use crate::check::distance_up;
-use crate::explicit::cage::limit::{LimitPatches, QuadPatchTree};
+use crate::explicit::cage::limit::{ExtraordinaryQuad, LimitPatches, QuadPatchTree};
 use crate::explicit::{Bezier, InvalidCage, Patch, PatchSide};
 use crate::math::{Box3, PriorityItem, branch_and_bound, greater, lesser};
 use glam::{DVec2, DVec3};

@@ -1,17 +1,12 @@
 //! `PatchMesher`: plans tiles for an allowance, proves them, and adds cells until all meet it.
 use super::adjacency::{PatchAdjacency, SideBoundary};
 use super::allowance::{Allowance, InfeasibleTolerance, TessellationFailure, refuse_tolerance};
-use super::assemble;
-use super::extraordinary_tile;
-use super::plan::{self, PatchTile};
+use super::patch_tile::{self, PatchTile, PatchTileMesh};
+use super::plan::{self, PlanBefore, TilePlan};
 use super::refine::{normal_deviation_ratio, raised_safety_factors, refine_missed};
 use super::seams::{SeamLine, SeamSpan, TileSeams};
-use super::sheet_plan::PlanBefore;
 use super::subpatch::{PatchSurface, Subpatch, SubpatchKind, SubpatchShape};
-use super::texcoords;
-use super::tile::{self, PatchTileMesh};
-use super::tile_border;
-use super::tile_counts;
+use super::{assemble, extraordinary_tile, texcoords, tile, tile_border};
 use crate::budget::{Bound, Bounded, Failure, Job, Progress, RefusalCode, par_map};
 use crate::check;
 use crate::explicit::{Mesh, PatchSide};
@@ -22,18 +17,6 @@ pub(crate) struct PatchMesher<'a, 's> {
     pub(super) sheets: &'s (dyn PatchSurface<'a> + 's),
     pub(super) adjacency: &'s PatchAdjacency,
     pub(super) job: &'s Job,
-}
-
-/// Tiles with their seams, not yet proved.
-pub(crate) struct TilePlan<'a> {
-    pub(crate) subpatches: Vec<Subpatch<'a>>,
-    pub(crate) tiles: Vec<PatchTile>,
-    pub(crate) seams: TileSeams,
-    /// The fewest cells in each direction, by sheet, that keep edges of different curves apart.
-    pub(crate) min_cells: Vec<u32>,
-    /// By sheet: the factor by which the tolerance of extraordinary subpatches is reduced, because proofs were worse than
-    /// expected; 1 at first.
-    pub(crate) safety_factors: Vec<f64>,
 }
 
 /// Tiles that are proved to be within their tolerance.
@@ -323,7 +306,7 @@ impl TilePlan<'_> {
             if is_rough {
                 extraordinary_tile::count_triangles(counts)
             } else {
-                tile_counts::count_triangles(tile, counts, poles)
+                patch_tile::count_triangles(tile, counts, poles)
             }
         });
         per_tile.sum()

@@ -7,72 +7,30 @@
 use super::adjacency::PatchCorner;
 use super::allowance::{Allowance, InfeasibleTolerance};
 use super::cell_estimate::{CellEstimate, CellEstimator, TessellationRates};
+use super::patch_tile::{PatchTile, PatchTileMesh};
+use super::seams::TileSeams;
 use super::subpatch::{Subpatch, SubpatchShape};
-use crate::explicit::{Patch, PatchSide};
+use crate::explicit::Patch;
 use crate::math::{Box3, sub_down};
 
-/// A rectangle of one subpatch with its cells, in the parameters of the sheet.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PatchTile {
-    pub(crate) sheet: u32,
-    /// The index of its subpatch.
-    pub(crate) subpatch: u32,
-    /// Start and end, dyadic numbers.
-    pub(crate) u: [f64; 2],
-    pub(crate) v: [f64; 2],
-    /// Cells along u and along v.
-    pub(crate) n: u32,
-    pub(crate) m: u32,
-    /// Whether the diagonal of cells runs from their first corner to the opposite one, instead of between the other
-    /// two.
-    pub(crate) rising: bool,
-    /// The kinds of its corners, in the order of the sides that start there.
-    pub(crate) corners: [PatchCorner; 4],
-    /// The allowed length here, less rounding.
-    pub(crate) tolerance: f64,
-    /// The tolerance for which its cells were planned.
-    pub(crate) planned: f64,
-    /// The factor by which the estimate's tolerance is reduced, because proofs were worse than estimates; 1 at first.
-    pub(crate) safety_factor: f64,
+/// Tiles with their seams, not yet proved.
+pub(crate) struct TilePlan<'a> {
+    pub(crate) subpatches: Vec<Subpatch<'a>>,
+    pub(crate) tiles: Vec<PatchTile>,
+    pub(crate) seams: TileSeams,
+    /// The fewest cells in each direction, by sheet, that keep edges of different curves apart.
+    pub(crate) min_cells: Vec<u32>,
+    /// By sheet: the factor by which the tolerance of extraordinary subpatches is reduced, because proofs were worse than
+    /// expected; 1 at first.
+    pub(crate) safety_factors: Vec<f64>,
 }
 
-impl PatchTile {
-    /// A whole subpatch as one cell.
-    fn single_cell(subpatch: &Subpatch<'_>, tolerance: f64) -> Self {
-        let (u, v, corners) = (subpatch.u, subpatch.v, [PatchCorner::Plain; 4]);
-        let (n, m, rising) = (1, 1, true);
-        Self {
-            sheet: subpatch.sheet,
-            subpatch: 0,
-            u,
-            v,
-            n,
-            m,
-            rising,
-            corners,
-            tolerance,
-            planned: tolerance,
-            safety_factor: 1.0,
-        }
-    }
-}
-
-impl PatchTile {
-    /// Whether one of its sides is on the border of its sheet.
-    pub(crate) fn is_on_border(&self, side: PatchSide) -> bool {
-        match side {
-            PatchSide::Bottom => self.v[0] == 0.0,
-            PatchSide::Right => self.u[1] == 1.0,
-            PatchSide::Top => self.v[1] == 1.0,
-            PatchSide::Left => self.u[0] == 0.0,
-        }
-    }
-
-    /// The half of a side of its sheet that contains it, in the order of the parameter.
-    pub(crate) fn half(&self, side: PatchSide) -> usize {
-        let span = if matches!(side, PatchSide::Bottom | PatchSide::Top) { self.u } else { self.v };
-        usize::from(span[0] >= 0.5)
-    }
+/// A plan with its finished tiles, and the sheets that are kept in the next plan.
+pub(super) struct PlanBefore<'a> {
+    pub(super) plan: TilePlan<'a>,
+    pub(super) done: Vec<Option<PatchTileMesh>>,
+    /// By sheet.
+    pub(super) is_kept: Vec<bool>,
 }
 
 /// A rectangle with fewer cells is never halved. Chosen: the stitching would cost as many triangles as it saves.
@@ -91,6 +49,25 @@ const NARROWEST: f64 = 1.0 / (1 << 30) as f64;
 
 fn is_broad([from, to]: [f64; 2]) -> bool {
     to - from > NARROWEST
+}
+
+/// A whole subpatch as one cell.
+fn single_cell(subpatch: &Subpatch<'_>, tolerance: f64) -> PatchTile {
+    let (u, v, corners) = (subpatch.u, subpatch.v, [PatchCorner::Plain; 4]);
+    let (n, m, rising) = (1, 1, true);
+    PatchTile {
+        sheet: subpatch.sheet,
+        subpatch: 0,
+        u,
+        v,
+        n,
+        m,
+        rising,
+        corners,
+        tolerance,
+        planned: tolerance,
+        safety_factor: 1.0,
+    }
 }
 
 /// A tile whose normals vary in one spot is halved in each direction with at least this many cells. Chosen: with fewer
@@ -140,7 +117,7 @@ pub(crate) fn split_into_tiles(
         SubpatchShape::Bezier(patch) => **patch,
         SubpatchShape::Extraordinary(extraordinary) => {
             let tolerance = tolerance(Box3::from_points(extraordinary.ring().hull()), allowance, rounding)?;
-            return Ok(vec![PatchTile::single_cell(subpatch, tolerance)]);
+            return Ok(vec![single_cell(subpatch, tolerance)]);
         }
     };
     let mut open = vec![TileCandidate::new(patch, subpatch.u, subpatch.v, allowance, rounding)?];
@@ -258,6 +235,6 @@ impl TileCandidate {
 
     fn tile(&self, subpatch: &Subpatch<'_>) -> PatchTile {
         let TessellationRates { n, m, rising } = self.estimator.rates(&self.estimate, self.tolerance);
-        PatchTile { u: self.u, v: self.v, n, m, rising, ..PatchTile::single_cell(subpatch, self.tolerance) }
+        PatchTile { u: self.u, v: self.v, n, m, rising, ..single_cell(subpatch, self.tolerance) }
     }
 }

@@ -1,10 +1,9 @@
 //! Refines tiles that miss their tolerance: more cells, or a finer subdivision of their sheet.
 use super::allowance::Allowance;
 use super::cell_estimate::CellEstimator;
-use super::mesher::TilePlan;
-use super::plan::PatchTile;
+use super::patch_tile::{PatchTile, PatchTileMesh};
+use super::plan::TilePlan;
 use super::subpatch::{SubpatchKind, SubpatchShape};
-use super::tile::PatchTileMesh;
 use crate::explicit::Patch;
 use crate::math::greater;
 use glam::DVec3;

@@ -3,7 +3,7 @@
 //! Both neighbours take their boundary points from the same piece, so no T-junction and no crack can arise,
 //! whatever the rates.
 use super::adjacency::{PatchAdjacency, SideBoundary};
-use super::plan::PatchTile;
+use super::patch_tile::PatchTile;
 use super::subpatch::{Subpatch, SubpatchShape};
 use crate::explicit::PatchSide;
 use std::ops::Range;

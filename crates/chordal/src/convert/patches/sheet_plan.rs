@@ -2,22 +2,14 @@
 use super::adjacency::PatchCorner;
 use super::allowance::{Allowance, InfeasibleTolerance, TessellationFailure, refuse_tolerance};
 use super::cell_estimate::CellEstimator;
-use super::mesher::{PatchMesher, TilePlan};
-use super::plan::{self, PatchTile};
+use super::mesher::PatchMesher;
+use super::patch_tile::{PatchTile, PatchTileMesh};
+use super::plan::{self, PlanBefore, TilePlan};
 use super::seams::TileSeams;
 use super::subpatch::{Subpatch, SubpatchShape};
-use super::tile::PatchTileMesh;
 use crate::budget::{Failure, RefusalCode, par_map};
 use crate::explicit::PatchSide;
 use crate::math::lesser;
-
-/// A plan with its finished tiles, and the sheets that are kept in the next plan.
-pub(super) struct PlanBefore<'a> {
-    pub(super) plan: TilePlan<'a>,
-    pub(super) done: Vec<Option<PatchTileMesh>>,
-    /// By sheet.
-    pub(super) is_kept: Vec<bool>,
-}
 
 /// One sheet of a plan: its subpatches, and its tiles with their indices in the previous plan, if they were in it.
 #[derive(Default)]

@@ -1,10 +1,10 @@
 //! `Subpatch`: the surface over a rectangle of one of its sheets.
 use super::adjacency::PatchAdjacency;
 use super::allowance::{Allowance, InfeasibleTolerance};
-use super::derivative_bound::rounding;
-use super::extraordinary::ExtraordinaryQuad;
-use super::plan::PatchTile;
+use super::derivative_bound::{ROUNDING, UNDERFLOW, rounding};
+use super::patch_tile::PatchTile;
 use crate::budget::Reference;
+use crate::explicit::cage::limit::ExtraordinaryQuad;
 use crate::explicit::{LimitSheet, Patch};
 use crate::math::{Box3, greater};
 
@@ -115,6 +115,24 @@ impl Subpatch<'_> {
             SubpatchShape::Bezier(patch) => rounding(patch) + self.slack,
             SubpatchShape::Extraordinary(extraordinary) => extraordinary.rounding_error(),
         }
+    }
+}
+
+impl ExtraordinaryQuad {
+    /// The point at a parameter of the unit square. Coordinates are small enough by an earlier check that nothing
+    /// overflows.
+    pub(crate) fn point(&self, u: f64, v: f64) -> [f64; 3] {
+        self.at(u, v).map(|jet| jet.point).unwrap_or_default()
+    }
+
+    pub(crate) fn normal(&self, u: f64, v: f64) -> Option<[f64; 3]> {
+        self.at(u, v).ok()?.normal
+    }
+
+    /// The length that rounding may add to a bound: as for a patch, plus the error of its own subdivision.
+    pub(crate) fn rounding_error(&self) -> f64 {
+        let ring = self.ring();
+        2.0 * ROUNDING * ring.size() + UNDERFLOW + 36.0 * ring.rounding()
     }
 }
 

@@ -1,11 +1,9 @@
 //! Texture coordinates of a finished mesh: each vertex gets the coordinates of its sheet at its parameters, with
 //! one row for each side of a seam.
-use super::plan::PatchTile;
+use super::patch_tile::{self, PatchTile, PatchTileMesh};
 use super::seams::TileSeams;
 use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
-use super::tile::PatchTileMesh;
 use super::tile_border;
-use super::tile_counts;
 use crate::budget::{Job, par_map};
 use crate::explicit::{Attribute, Chart, Domain, LimitSheet, LimitSurface, Mesh, PatchSide, Semantic};
 use crate::math::greater;
@@ -74,7 +72,7 @@ pub(crate) fn with_texcoords(
             match subpatches[tile.subpatch as usize].shape {
                 SubpatchShape::Bezier(_) => {
                     let counts = PatchSide::ALL.map(|side| seams.count(first + k, side));
-                    local.extend(tile_counts::inner_places(tile, counts).map(point));
+                    local.extend(patch_tile::inner_places(tile, counts).map(point));
                 }
                 SubpatchShape::Extraordinary(_) => local.extend(done.inner.iter().map(|_| point([0.5, 0.5]))),
             }

@@ -2,13 +2,12 @@
 use super::adjacency::PatchCorner;
 use super::derivative_bound::{PatchDerivatives, ThirdOrderJet, across, max_barycentric_quadratic};
 use super::extraordinary_tile;
-use super::plan::PatchTile;
+use super::patch_tile::{PatchTile, PatchTileMesh, cell_counts};
 use super::seams::TileSeams;
 use super::subpatch::{Subpatch, SubpatchShape};
 use super::tile_border::{BorderVertex, walk_side};
-use super::tile_counts::cell_counts;
 use crate::explicit::{Patch, PatchSide, bernstein, face_normal};
-use crate::math::{Box3, greater};
+use crate::math::greater;
 use glam::DVec3;
 
 /// A vertex of a tile: its parameters in the tile's unit square and its position.
@@ -17,33 +16,6 @@ struct TileVertex {
     u: f64,
     v: f64,
     at: DVec3,
-}
-
-/// A finished tile. Local vertices: the border counter-clockwise from corner (0, 0), then inner rows.
-#[derive(Clone)]
-pub(crate) struct PatchTileMesh {
-    /// Triangles by local vertices; triangles that a pole makes degenerate are left out.
-    pub(crate) triangles: Vec<[u32; 3]>,
-    /// Positions and unit normals of the inner vertices; a zero normal if the patch has none.
-    pub(crate) inner: Vec<[f64; 3]>,
-    pub(crate) inner_normals: Vec<[f64; 3]>,
-    /// The largest distance, rounding included.
-    pub(crate) bound: f64,
-    /// The triangle with the largest bound: the patch's parameters at its corners.
-    pub(crate) worst: [[f64; 2]; 3],
-    /// The largest distance found between the unit normals of the triangles and those of the surface; set if the
-    /// budget limits an angle.
-    pub(crate) normal_deviation: Option<f64>,
-    /// Whether there are too few cells: a triangle has the same vertex twice without a pole, or a triangle that a
-    /// pole makes a segment is left out and no other triangle has that segment.
-    pub(crate) too_few: bool,
-    /// The surface's unit normals at the vertices of its border, in the order of the border; zero where there is none.
-    /// Empty until the mesh is assembled.
-    pub(crate) border_normals: Vec<[f64; 3]>,
-    /// A box around its part of the surface.
-    pub(crate) place: Box3,
-    /// Whether it was built for an earlier view.
-    pub(crate) is_kept: bool,
 }
 
 struct TileTriangulator<'a> {

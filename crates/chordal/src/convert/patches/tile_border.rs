@@ -1,5 +1,5 @@
 //! The border of a tile: the vertices that it shares with others, in the order of its sides.
-use super::plan::PatchTile;
+use super::patch_tile::PatchTile;
 use super::seams::{SeamLine, TileSeams};
 use crate::explicit::PatchSide;
 

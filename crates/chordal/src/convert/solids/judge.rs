@@ -1,10 +1,11 @@
 //! `judged_against_field`: proves or measures given meshes against a field.
-use super::split::with_faces_split;
 use crate::budget::{Bounded, Failure, Job, ProofEffort, RequiredEvidence, Tolerance};
 use crate::check::{SandwichGoal, SandwichProver, SandwichVerdict, measured_field_deviation, sandwich_bound};
 use crate::convert::fields::{leaf_failure, open_places};
-use crate::explicit::Mesh;
+use crate::explicit::{InvalidMesh, Mesh};
 use crate::implicit::{Csg, Field};
+use crate::math::{difference, dot};
+use std::collections::BTreeMap;
 
 /// The first margin of the proof, relative to the distance that samples suggest. Chosen: as for meshes by `field_to_mesh`.
 const MARGIN: f64 = 0.5;
@@ -183,4 +184,43 @@ fn open_faces(verdict: &SandwichVerdict) -> Vec<u32> {
 /// Whether at most one face in `few` is open.
 fn is_few(mesh: &Mesh, open: &[u32], few: usize) -> bool {
     few * open.len() <= mesh.faces().len()
+}
+
+/// The mesh with a vertex in the middle of the longest side of each of these faces. All faces at such a side are split at
+/// the vertex, so that there are no T-junctions. The result has positions and faces only.
+fn with_faces_split(mesh: &Mesh, faces: &[u32]) -> Result<Mesh, InvalidMesh> {
+    let mut positions = mesh.positions().to_vec();
+    let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
+    for face in faces {
+        let length_sq = |[a, b]: [u32; 2]| {
+            let vector = difference(mesh.positions()[b as usize], mesh.positions()[a as usize]);
+            dot(vector, vector)
+        };
+        let face_sides = sides(mesh.faces()[*face as usize]);
+        let longest = face_sides
+            .into_iter()
+            .reduce(|best, side| if length_sq(side) > length_sq(best) { side } else { best });
+        let Some([a, b]) = longest else { continue };
+        middles.entry([a, b]).or_insert_with(|| {
+            let (p, q) = (positions[a as usize], positions[b as usize]);
+            positions.push(std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]));
+            positions.len() as u32 - 1
+        });
+    }
+    let mut cut = Vec::with_capacity(mesh.faces().len() + 2 * middles.len());
+    for face in mesh.faces() {
+        let [a, b, c] = *face;
+        match sides(*face).map(|side| middles.get(&side).copied()) {
+            [None, None, None] => cut.push(*face),
+            [Some(m), None, None] => cut.extend([[a, m, c], [m, b, c]]),
+            [None, Some(m), None] => cut.extend([[b, m, a], [m, c, a]]),
+            [None, None, Some(m)] => cut.extend([[c, m, b], [m, a, b]]),
+            [Some(m), Some(n), None] => cut.extend([[m, b, n], [a, m, n], [a, n, c]]),
+            [None, Some(m), Some(n)] => cut.extend([[m, c, n], [b, m, n], [b, n, a]]),
+            [Some(n), None, Some(m)] => cut.extend([[m, a, n], [c, m, n], [c, n, b]]),
+            [Some(m), Some(n), Some(o)] => cut.extend([[a, m, o], [m, b, n], [n, c, o], [m, n, o]]),
+        }
+    }
+    Mesh::new(positions, cut)
 }

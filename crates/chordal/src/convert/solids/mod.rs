@@ -11,7 +11,6 @@ mod polyhedra;
 mod profile;
 mod revolved;
 mod rounded;
-mod split;
 mod thread;
 mod twisted;
 
