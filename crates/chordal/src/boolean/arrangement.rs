@@ -1,8 +1,7 @@
 //! Cuts meshes along each other and keeps the pieces that bound the combined solid, with the engines of the
 //! crate `manifold-rust`.
 use super::BooleanOp;
-use super::operand::Operand;
-use super::result::BooleanSource;
+use super::operand::{BooleanSource, Operand};
 use crate::budget::{Job, Progress};
 use manifold_rust::cancel::CancelToken;
 use manifold_rust::manifold::Manifold;

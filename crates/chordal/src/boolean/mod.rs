@@ -16,7 +16,6 @@
 //! ```
 mod arrangement;
 mod attributes;
-mod failure;
 mod operand;
 mod point_survey;
 mod result;
@@ -27,8 +26,7 @@ use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map};
 use crate::check::self_intersections;
 use crate::explicit::Mesh;
 use arrangement::{Engine, EngineFailure, combine};
-use failure::BooleanError;
-use operand::Operand;
+use operand::{BooleanError, Operand};
 use result::BooleanMethod;
 
 pub use result::BooleanMesh;
@@ -36,8 +34,8 @@ pub use unchecked::boolean_unchecked;
 
 /// The origin of a result, and the reasons why there is none.
 pub mod provenance {
-    pub use super::failure::BooleanError;
-    pub use super::result::{BooleanMethod, BooleanSource};
+    pub use super::operand::{BooleanError, BooleanSource};
+    pub use super::result::BooleanMethod;
 }
 
 /// The way in which a solid is combined with the previous one.

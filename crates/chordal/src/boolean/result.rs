@@ -1,7 +1,7 @@
 //! `BooleanMesh`: the mesh of a combined solid, the origin of its faces, and their distance from it.
 use super::BooleanOp;
 use super::arrangement::CutSurface;
-use super::operand::Operand;
+use super::operand::{BooleanSource, Operand};
 use super::sides::{SideVerdict, compare_sides};
 use crate::budget::{Bound, Evidence, Job, JobError, Metric, Reference, Refusal, RefusalCode, par_map};
 use crate::check::distance_up;
@@ -19,15 +19,6 @@ pub struct BooleanMesh {
     pub method: BooleanMethod,
     /// A bound on the distance from the combined solid: see [`boolean`](super::boolean()).
     pub bound: Bound,
-}
-
-/// A face of an operand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct BooleanSource {
-    /// 0 for the first mesh, then 1 more for each step.
-    pub operand: u32,
-    /// The number of the face in that operand.
-    pub face: u32,
 }
 
 /// The method with which meshes were combined.
