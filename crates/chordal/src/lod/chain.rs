@@ -1,6 +1,7 @@
 //! `chain`: a shape as levels with growing errors and fewer triangles, each with its own bound.
 use super::reduction::ReductionStats;
-use super::simplify::{ProgressiveSimplifier, SimplifiedMesh, SimplifyInput};
+use super::simplified_mesh::SimplifiedMesh;
+use super::simplify::{ProgressiveSimplifier, SimplifyInput};
 use super::zero_area::ZeroAreaFaces;
 use crate::budget::{
     AttributeLimits, Bound, Bounded, ErrorLimit, Evidence, Job, JobError, Message, Reference, Refusal,

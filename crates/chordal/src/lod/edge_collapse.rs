@@ -7,7 +7,8 @@ mod replay;
 
 use super::attribute_guard::AttributeGuard;
 use super::bucket_queue::BucketQueue;
-use super::error_monitor::{CollapseChange, ErrorMonitor};
+use super::edge_guard::CollapseChange;
+use super::error_monitor::ErrorMonitor;
 use super::local_tolerance::LocalTolerance;
 use super::quadric::Quadric;
 use super::surface::{Compaction, HalfEdgeSurface, NONE};

@@ -1,10 +1,28 @@
 //! `OriginalEdges`: whether edges of the original stay close to the faces around a collapse.
-use super::error_monitor::CollapseChange;
 use super::local_tolerance::LocalTolerance;
 use super::samples::SamplesByFace;
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::explicit::closest_on_segments;
 use crate::math::dot;
+
+/// The faces around an edge before and after its collapse.
+#[derive(Clone, Copy)]
+pub(super) struct CollapseChange<'a> {
+    /// The faces that are removed or changed.
+    pub before: &'a [u32],
+    /// The changed faces, counter-clockwise around the new point, which is the first corner of each.
+    pub after: &'a [(u32, [[f64; 3]; 3])],
+    /// Their half-edges that are opposite the new point.
+    pub opposite: &'a [u32],
+    /// Whether they close around the new point.
+    pub is_closed: bool,
+    /// The new point, and the positions of all other vertices.
+    pub to: [f64; 3],
+    pub surface: &'a HalfEdgeSurface,
+    pub at: &'a [[f64; 3]],
+    /// The cost of the change.
+    pub cost: f32,
+}
 
 /// The edges of the original, by vertex.
 ///

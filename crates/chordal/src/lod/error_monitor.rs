@@ -1,5 +1,5 @@
 //! `ErrorMonitor`: checks the distance between the surface and the original during simplification.
-use super::edge_guard::{EdgeVerdict, FarEdges, OriginalEdges};
+use super::edge_guard::{CollapseChange, EdgeVerdict, FarEdges, OriginalEdges};
 use super::local_tolerance::LocalTolerance;
 use super::samples::{NEAR, SamplesByFace};
 use super::surface::{HalfEdgeSurface, NONE, RegionNumbers, SurfaceRegion};
@@ -91,25 +91,6 @@ impl CheckLevel {
             Self::Frozen => 3,
         }
     }
-}
-
-/// The faces around an edge before and after its collapse.
-#[derive(Clone, Copy)]
-pub(super) struct CollapseChange<'a> {
-    /// The faces that are removed or changed.
-    pub before: &'a [u32],
-    /// The changed faces, counter-clockwise around the new point, which is the first corner of each.
-    pub after: &'a [(u32, [[f64; 3]; 3])],
-    /// Their half-edges that are opposite the new point.
-    pub opposite: &'a [u32],
-    /// Whether they close around the new point.
-    pub is_closed: bool,
-    /// The new point, and the positions of all other vertices.
-    pub to: [f64; 3],
-    pub surface: &'a HalfEdgeSurface,
-    pub at: &'a [[f64; 3]],
-    /// The cost of the change.
-    pub cost: f32,
 }
 
 /// The vertices of the original that one face offers for a descent, and the most steps of a descent. Chosen:

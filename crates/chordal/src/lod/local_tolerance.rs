@@ -1,8 +1,49 @@
-//! `LocalTolerance`: the allowed distance from the original during simplification, uniform or by position.
-use super::reduction::ReductionFrame;
+//! `LocalTolerance`: the allowed distance from the original during simplification, uniform or by position, in
+//! the coordinates of a `ReductionFrame`.
 use crate::budget::ErrorLimit;
 use crate::check::{RegionTolerance, ToleranceField};
-use crate::math::Box3;
+use crate::math::{Box3, exponent, greater, power_of_two};
+
+/// World to local coordinates: subtract the middle of the mesh, times a power of two that scales the extent
+/// to 1 or less.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ReductionFrame {
+    origin: [f64; 3],
+    scale: f64,
+}
+
+impl ReductionFrame {
+    pub fn from_bounds(bounds: &Box3) -> Self {
+        // Halved before the difference, which might overflow.
+        let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
+        let half = half.fold(0.0, |most, x| greater(x, most));
+        // A scale and its inverse are normal numbers.
+        Self { origin: bounds.centre(), scale: power_of_two(-exponent(half).clamp(-1000, 1000)) }
+    }
+
+    pub fn in_frame(&self, p: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| (p[k] - self.origin[k]) * self.scale)
+    }
+
+    pub fn in_world(&self, p: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| p[k] / self.scale + self.origin[k])
+    }
+
+    /// A local box in world coordinates, rounded.
+    pub fn world_box(&self, local: &Box3) -> Box3 {
+        Box3 { min: self.in_world(local.min), max: self.in_world(local.max) }
+    }
+
+    /// A world length in this frame.
+    pub fn local_length(&self, world: f64) -> f64 {
+        world * self.scale
+    }
+
+    /// A length in this frame in world units.
+    pub fn world_length(&self, local: f64) -> f64 {
+        local / self.scale
+    }
+}
 
 /// The allowed distance of the simplified surface from the original, in local coordinates.
 ///

@@ -14,6 +14,7 @@ mod reduction;
 mod region_tree;
 mod samples;
 mod select;
+mod simplified_mesh;
 mod simplify;
 mod simplify_to_count;
 mod surface;
@@ -25,7 +26,8 @@ mod zero_area;
 pub use chain::{LodLevel, LodSource, LodSteps, chain};
 pub use conforming::simplify_conforming;
 pub use reduction::ReductionStats;
-pub use simplify::{SimplifiedMesh, simplify};
+pub use simplified_mesh::SimplifiedMesh;
+pub use simplify::simplify;
 
 /// At most a given number of triangles, with more or less effort.
 pub mod count {

@@ -10,53 +10,17 @@ use super::edge_collapse::{
     CollapseVertexKind, EdgeCollapser, StopCriterion, face_standing_for, representative,
 };
 use super::error_monitor::{CheckLevel, ErrorMonitor};
-use super::local_tolerance::LocalTolerance;
+use super::local_tolerance::{LocalTolerance, ReductionFrame};
 use super::surface::{Compaction, HalfEdgeSurface, ManifoldSplit, NONE};
 use super::wedges::Wedges;
 use crate::budget::{AttributeLimits, ErrorLimit, Job, JobError};
 use crate::check::{ProximityChecker, ViolationReport};
 use crate::explicit::{DisjointSets, Mesh, Topology};
-use crate::math::{Box3, difference, exponent, greater, length, lesser, power_of_two};
+use crate::math::{Box3, distance, greater, lesser};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 use std::sync::Arc;
-
-/// World to local coordinates: subtract the middle of the mesh, times a power of two that scales the extent
-/// to 1 or less.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ReductionFrame {
-    origin: [f64; 3],
-    scale: f64,
-}
-
-impl ReductionFrame {
-    fn from_bounds(bounds: &Box3) -> Self {
-        // Halved before the difference, which might overflow.
-        let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
-        let half = half.fold(0.0, |most, x| greater(x, most));
-        // A scale and its inverse are normal numbers.
-        Self { origin: bounds.centre(), scale: power_of_two(-exponent(half).clamp(-1000, 1000)) }
-    }
-
-    fn in_frame(&self, p: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| (p[k] - self.origin[k]) * self.scale)
-    }
-
-    fn in_world(&self, p: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| p[k] / self.scale + self.origin[k])
-    }
-
-    /// A local box in world coordinates, rounded.
-    pub fn world_box(&self, local: &Box3) -> Box3 {
-        Box3 { min: self.in_world(local.min), max: self.in_world(local.max) }
-    }
-
-    /// A world length in this frame.
-    pub fn local_length(&self, world: f64) -> f64 {
-        world * self.scale
-    }
-}
 
 /// Parts of a mesh that could not be simplified, and parts that were dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -195,11 +159,10 @@ impl<'a> MeshReduction<'a> {
         };
         // Long edges get sample points in addition to their ends, so that gaps are at most about the mean
         // edge length.
-        let (sum, n) =
-            edges().fold((0.0, 0.0), |(sum, n), (_, [p, q])| (sum + length(difference(q, p)), n + 1.0));
+        let (sum, n) = edges().fold((0.0, 0.0), |(sum, n), (_, [p, q])| (sum + distance(q, p), n + 1.0));
         let mut points = Vec::new();
         for (h, [p, q]) in edges() {
-            let gaps = length(difference(q, p)) * n / sum;
+            let gaps = distance(q, p) * n / sum;
             let more = if gaps < f64::from(MOST_ON_EDGE) { gaps as u32 } else { MOST_ON_EDGE };
             for i in 1..=more {
                 let t = f64::from(i) / f64::from(more + 1);
@@ -355,12 +318,12 @@ impl<'a> MeshReduction<'a> {
         let EdgeCollapser { surface, quadric, at, .. } = &self.engine;
         let vertices = (0..at.len()).filter(|v| surface.outgoing[*v] != NONE && quadric[*v].weight() > 0.0);
         let square = |v: usize| quadric[v].at(at[v]) / quadric[v].weight();
-        vertices.map(square).fold(0.0, |most, x| greater(x, most)).sqrt() / self.frame.scale
+        self.frame.world_length(vertices.map(square).fold(0.0, |most, x| greater(x, most)).sqrt())
     }
 
     /// The diagonal of the box around all vertices, in world coordinates, rounded.
     pub fn diagonal(&self) -> f64 {
-        Box3::from_points(&self.engine.at).diagonal() / self.frame.scale
+        self.frame.world_length(Box3::from_points(&self.engine.at).diagonal())
     }
 
     /// A uniform tolerance of a world length.

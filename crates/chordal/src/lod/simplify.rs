@@ -2,36 +2,19 @@
 use super::error_monitor::CheckLevel;
 use super::local_tolerance::LocalTolerance;
 use super::reduction::{AttemptStart, FailedAttempt, MeshReduction, ReductionStats, UnmonitoredCollapses};
+use super::simplified_mesh::{CLOSE, SHARE, SimplifiedMesh, SimplifyFailure, bounded, unchanged};
 use super::simplify_to_count::{Effort, simplify_to_count};
 use super::wedges::is_carried;
 use super::zero_area::ZeroAreaFaces;
 use crate::budget::{
-    AttributeLimits, Bound, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, Reference,
-    RefusalCode, Tolerance,
+    AttributeLimits, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, RefusalCode, Tolerance,
 };
 use crate::check::findings::AttributeDeviation;
 use crate::check::{
-    Deviation, Goal, MappedPair, NearFaces, OneSidedDistance, ViolationReport, attribute_deviation_within,
-    deviation, tolerance_violations,
+    Goal, MappedPair, NearFaces, ViolationReport, attribute_deviation_within, deviation, tolerance_violations,
 };
 use crate::explicit::{Mesh, Semantic, Topology};
 use crate::math::{Box3, lesser};
-
-/// A simplified mesh, with details in addition to the bound.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SimplifiedMesh {
-    /// The triangles.
-    pub mesh: Mesh,
-    /// The worst pair of points: one on one surface, and the closest point on the other. `None` if no point
-    /// was found to deviate.
-    pub worst: Option<OneSidedDistance>,
-    /// Parts that could not be collapsed, and parts that were dropped.
-    pub stats: ReductionStats,
-    /// The deviation of attributes from those of the original, measured if the budget limits them.
-    pub attributes: Vec<AttributeDeviation>,
-}
-
-pub(super) type SimplifyFailure = Failure<SimplifiedMesh>;
 
 /// The same surface with as few triangles as a budget allows.
 ///
@@ -177,18 +160,9 @@ pub(super) struct SimplifyInput<'a> {
     pub job: &'a Job,
 }
 
-/// The fraction of the tolerance that collapses may use. Chosen: the remainder covers rounding and the slack
-/// of the final proof over the thorough checks.
-pub(super) const SHARE: f64 = 0.99;
 /// The most attempts, each with stricter checks where the previous one deviated too much.
 /// Measured: up to 6 are needed.
 const ATTEMPTS: u32 = 14;
-/// The fraction of a length, or of the diagonal if that is less, by which both ends of a bound may differ.
-/// Chosen: a smaller one takes more time for the bound alone.
-pub(super) const CLOSE: f64 = 0.01;
-/// The fraction of the diagonal below which a distance counts as rounding, as of positions that were computed
-/// in flat parts. Chosen: a smaller one takes time to resolve rounding errors.
-pub(super) const ROUNDINGS: f64 = 1024.0 * f64::EPSILON;
 /// The fraction of a length that collapses without a monitor may cost. Chosen: a larger one has to be undone
 /// more often, a smaller one saves less time.
 const SLIGHT: f64 = 0.25;
@@ -380,29 +354,4 @@ impl<'a> ProgressiveSimplifier<'a> {
         };
         attribute_deviation_within(self.mesh, simplified, Tolerance::new(moved).ok(), &limit, job)
     }
-}
-
-pub(super) fn unchanged(mesh: &Mesh, stats: ReductionStats) -> Bounded<SimplifiedMesh> {
-    let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
-    Bounded {
-        shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats, attributes: Vec::new() },
-        bound,
-    }
-}
-
-/// The bound by [`deviation`]. Another proof of the same distance, `at_most`, may lower its upper end. Two
-/// proofs that contradict each other prove nothing, so an upper end below the proved lower end is ignored.
-pub(super) fn bounded(
-    mesh: Mesh,
-    deviation: &Deviation,
-    at_most: f64,
-    stats: ReductionStats,
-) -> Bounded<SimplifiedMesh> {
-    let worst = (deviation.bound.at_least() > 0.0).then(|| *deviation.worst());
-    let least = deviation.bound.at_least();
-    let most = deviation.bound.at_most().unwrap_or(f64::INFINITY);
-    let most = if least <= at_most && at_most < most { at_most } else { most };
-    let mut bound = Bound::proved(least, most, Reference::InputTriangles);
-    bound.at = deviation.bound.at;
-    Bounded { shape: SimplifiedMesh { mesh, worst, stats, attributes: Vec::new() }, bound }
 }

@@ -2,7 +2,7 @@
 use super::error_monitor::CheckLevel;
 use super::local_tolerance::LocalTolerance;
 use super::reduction::{AttemptStart, FailedAttempt, MEAN_DISTANCE_ROUNDING, MeshReduction};
-use super::simplify::{CLOSE, ROUNDINGS, SHARE, SimplifiedMesh, SimplifyFailure, bounded, unchanged};
+use super::simplified_mesh::{CLOSE, ROUNDINGS, SHARE, SimplifiedMesh, SimplifyFailure, bounded, unchanged};
 use super::zero_area::ZeroAreaFaces;
 use crate::budget::{Bounded, ErrorLimit, Failure, Job, JobError, RefusalCode, Tolerance};
 use crate::check::{Goal, MappedPair, NearFaces};

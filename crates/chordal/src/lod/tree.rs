@@ -2,7 +2,8 @@
 use super::chain::needs_a_proof;
 use super::reduction::ReductionStats;
 use super::region_tree::RegionTree;
-use super::simplify::{SimplifiedMesh, SimplifyInput, simplify_within};
+use super::simplified_mesh::SimplifiedMesh;
+use super::simplify::{SimplifyInput, simplify_within};
 use crate::budget::{
     AttributeLimits, Bound, Bounded, ErrorLimit, Job, JobError, Message, Refusal, RefusalCode, Tolerance,
     par_map,

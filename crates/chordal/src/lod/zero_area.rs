@@ -1,5 +1,5 @@
 //! `ZeroAreaFaces`: faces without area that close no gap, set aside while a surface is simplified.
-use super::simplify::{ROUNDINGS, SimplifiedMesh};
+use super::simplified_mesh::{ROUNDINGS, SimplifiedMesh};
 use crate::budget::{Bound, Bounded, ErrorLimit, Job, JobError, Reference, Tolerance};
 use crate::check::{Goal, deviation, has_zero_area, tolerance_violations};
 use crate::explicit::{Attribute, Domain, InvalidMesh, Mesh, Topology, Twin, Twins};
