@@ -1,7 +1,6 @@
 //! `drop_collapsed`: drops faces with two equal corners, for formats that forbid them.
 use super::drop_degenerate::coverage_bound;
-use super::limits::check_limits;
-use super::mend_builder::{MendBuilder, MendFace};
+use super::mend_builder::{MendBuilder, MendFace, check_limits};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError};

@@ -1,7 +1,6 @@
 //! `drop_degenerate`: drops faces without area, so that closed surfaces stay closed.
 use super::cut_faces::{FaceCutter, VertexInsertion};
-use super::limits::check_limits;
-use super::mend_builder::{MendBuilder, MendFace};
+use super::mend_builder::{MendBuilder, MendFace, check_limits};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Bound, Evidence, Job, JobError, Reference, Tolerance};

@@ -1,6 +1,5 @@
 //! `drop_duplicates`: drops faces that have the three positions of an earlier one.
-use super::limits::check_limits;
-use super::mend_builder::{MendBuilder, MendFace};
+use super::mend_builder::{MendBuilder, MendFace, check_limits};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError};

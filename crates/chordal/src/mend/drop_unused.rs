@@ -1,6 +1,5 @@
 //! `drop_unused`: drops vertices that no face uses.
-use super::limits::check_limits;
-use super::mend_builder::MendBuilder;
+use super::mend_builder::{MendBuilder, check_limits};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError};

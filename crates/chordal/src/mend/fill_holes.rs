@@ -1,7 +1,6 @@
 //! `fill_holes`: fills the holes that boundary loops enclose.
 use super::cap::{cap, loop_normal};
-use super::limits::check_limits;
-use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
+use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow, check_limits};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError, Metric};

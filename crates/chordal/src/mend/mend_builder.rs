@@ -1,9 +1,28 @@
 //! `MendBuilder`: the rows and faces of a new mesh, each with the element of the old mesh from which its
 //! attributes come.
-use super::limits::refusal;
+use super::mended_mesh::refusal;
 use crate::Mesh;
-use crate::budget::{JobError, RefusalCode};
+use crate::budget::{Job, JobError, RefusalCode};
 use crate::explicit::{Attribute, Domain, Semantic};
+
+/// Checks whether a repair may start: the job is not cancelled, and its memory limit is sufficient.
+pub(super) fn check_limits(mesh: &Mesh, job: &Job) -> Result<(), JobError> {
+    if job.is_cancelled() {
+        return Err(JobError::Cancelled);
+    }
+    // Counted: a face and its sources 64 bytes, in and out 24, twins and sets 48; a row and its source 48, in
+    // and out 56.
+    let attributes: usize = mesh.attributes().iter().map(|attribute| attribute.values.len()).sum();
+    let bytes = 136 * mesh.faces().len() + 104 * mesh.positions().len() + 16 * attributes;
+    if bytes as u64 > job.memory_limit {
+        let limit = job.memory_limit;
+        return Err(refusal(
+            RefusalCode::TooMuchMemory,
+            format!("mending needs about {bytes} bytes; the limit is {limit}"),
+        ));
+    }
+    Ok(())
+}
 
 /// The source of attributes: one old row, or a point between two.
 #[derive(Clone, Copy, Debug, PartialEq)]

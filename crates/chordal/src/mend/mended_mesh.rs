@@ -1,7 +1,7 @@
 //! `MendedMesh`: the result of a repair: the mesh, the changes, and a bound on the movement of the surface.
-use super::limits::refusal;
 use crate::Mesh;
-use crate::budget::{Bound, JobError, Reference, RefusalCode};
+use crate::budget::advice::Message;
+use crate::budget::{Bound, JobError, Reference, Refusal, RefusalCode};
 use crate::check::Finding;
 
 /// The result of a repair.
@@ -69,4 +69,8 @@ impl MendedMesh {
 fn nonempty_changes<const N: usize>(changes: [(&'static str, Finding); N]) -> Vec<MendChange> {
     let nonempty = changes.into_iter().filter(|(_, finding)| !finding.is_none());
     nonempty.map(|(what, finding)| MendChange { what, finding }).collect()
+}
+
+pub(super) fn refusal(code: RefusalCode, message: impl Into<Message>) -> JobError {
+    JobError::Refused(Refusal::new(code, message))
 }

@@ -19,7 +19,6 @@ mod drop_degenerate;
 mod drop_duplicates;
 mod drop_unused;
 mod fill_holes;
-mod limits;
 mod mend_builder;
 mod mended_mesh;
 mod orient;

@@ -1,7 +1,6 @@
 //! `orient`: turns faces so that neighbours are wound consistently and closed components face outwards.
-use super::limits::{check_limits, refusal};
-use super::mend_builder::{MendBuilder, MendFace};
-use super::mended_mesh::MendedMesh;
+use super::mend_builder::{MendBuilder, MendFace, check_limits};
+use super::mended_mesh::{MendedMesh, refusal};
 use crate::Mesh;
 use crate::budget::{Job, JobError, RefusalCode};
 use crate::check::{Component, Facing, Finding, MeshConnectivity, Witness};

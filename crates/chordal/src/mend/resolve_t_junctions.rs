@@ -1,7 +1,6 @@
 //! `resolve_t_junctions`: makes vertices in the middle of an edge corners of its face.
 use super::cut_faces::{FaceCutter, VertexInsertion};
-use super::limits::check_limits;
-use super::mend_builder::{MendBuilder, MendFace};
+use super::mend_builder::{MendBuilder, MendFace, check_limits};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError, Tolerance};

@@ -1,7 +1,6 @@
 //! `split_non_manifold`: splits a surface at edges with three faces or more and at positions with several
 //! fans.
-use super::limits::check_limits;
-use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
+use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow, check_limits};
 use super::mended_mesh::MendedMesh;
 use super::radial::{RadialFace, pair_faces};
 use crate::Mesh;

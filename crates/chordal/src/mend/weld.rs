@@ -1,6 +1,6 @@
 //! `weld`: makes vertices at equal or close coordinates one position.
-use super::limits::{check_limits, refusal};
-use super::mended_mesh::MendedMesh;
+use super::mend_builder::check_limits;
+use super::mended_mesh::{MendedMesh, refusal};
 use crate::Mesh;
 use crate::budget::{Job, JobError, RefusalCode, Tolerance, par_map_owned};
 use crate::check::{Finding, PointTree, Witness};
