@@ -1,8 +1,8 @@
 //! `RayGenerator`: the ray through a position in the picture; and the camera that frames a mesh.
-use super::options::UpAxis;
-use crate::budget::{Camera, Projection, Screen};
+use super::options::{RenderOptions, UpAxis};
+use crate::budget::{Camera, Job, JobError, Projection, Refusal, RefusalCode, Screen, View};
 use crate::explicit::{Mesh, Ray};
-use crate::math::{greater, lesser};
+use crate::math::{greater, length, lesser};
 use glam::DVec3;
 
 /// The vertical field of view of the automatic viewpoint: a short telephoto, which keeps proportions.
@@ -175,10 +175,39 @@ impl RayGenerator {
             let gradient = [0, 1].map(|axis| {
                 plane.dot(self.direction_by[axis]) + (a - b).cross(self.origin_by[axis]).dot(direction)
             });
-            let length = (gradient[0] * gradient[0] + gradient[1] * gradient[1]).sqrt();
+            let length = length(gradient);
             [plane.dot(direction), length]
         });
         let sum = products[0][0] + products[1][0] + products[2][0];
         products.map(|[value, gradient]| [value.abs() / gradient, sum.abs() / gradient])
     }
+}
+
+/// The most samples along a pixel's side.
+const MOST_SAMPLES: u32 = 16;
+
+/// The ray generator, if camera and options are valid.
+pub(super) fn ray_generator(
+    camera: &Camera,
+    options: &RenderOptions,
+    job: &Job,
+) -> Result<RayGenerator, JobError> {
+    let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
+    View::Camera(*camera).checked().map_err(|wrong| refused(RefusalCode::Unsupported, wrong.to_string()))?;
+    let eye = RayGenerator::new(camera)
+        .ok_or_else(|| refused(RefusalCode::Unsupported, "the camera has no axes".into()))?;
+    if options.samples == 0 || options.samples > MOST_SAMPLES {
+        let message =
+            format!("samples along a pixel's side are 1 to {MOST_SAMPLES}, not {}", options.samples);
+        return Err(refused(RefusalCode::Unsupported, message));
+    }
+    let Screen { width_px: width, height_px: height } = camera.screen;
+    // Each tile is stored twice, by itself and in the picture; a mesh has a depth of lines in each pixel.
+    let bytes = (12 * u64::from(width)).saturating_mul(u64::from(height));
+    if bytes > job.memory_limit {
+        let message =
+            format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);
+        return Err(refused(RefusalCode::TooMuchMemory, message));
+    }
+    Ok(eye)
 }

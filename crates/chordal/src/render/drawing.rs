@@ -1,11 +1,11 @@
 //! Drawings of planar fields: intervals decide tiles that are all on one side, so pixels are evaluated only
 //! along the outline.
-use super::camera::RayGenerator;
-use super::color::srgb_to_linear;
-use super::field::{FieldPicture, FieldRenderError, refusal};
+use super::camera::{RayGenerator, ray_generator};
+use super::color::{Backdrop, PremultipliedColor, srgb_to_linear};
+use super::field_picture::{FieldPicture, FieldRenderError, refusal};
 use super::options::{Background, RenderOptions, RenderStyle, Viewpoint};
-use super::picture_tiles::{ImageTile, assemble, each_tile};
-use super::trace::{Backdrop, PremultipliedColor, ray_generator};
+use super::picture::{ImageTile, assemble, each_tile};
+
 use crate::budget::{Camera, Job, Projection, Screen};
 use crate::implicit::query::{BeamCounts, contains, normals};
 use crate::implicit::{Field, LeafError, Tape};

@@ -1,84 +1,25 @@
 //! Pictures directly from a field: rays meet the surface where the field changes its sign, without triangles.
-use super::Picture;
-use super::camera::frame_points;
+use super::camera::{frame_points, ray_generator};
+use super::color::Backdrop;
 use super::drawing::draw;
-use super::light::{Material, OcclusionTest, StudioLights, StudioShape};
+use super::field_picture::{FieldPicture, FieldRenderError, refusal};
+use super::light::{Material, OcclusionTest, ShadingPoint, StudioLights, StudioShape};
 use super::options::{CullMode, RenderOptions, RenderStyle, UpAxis, Viewpoint};
 use super::picture_tile::TileRenderer;
-use super::render_mesh::{ShadingPoint, facing_normal};
+use super::render_mesh::facing_normal;
 use super::sample_pattern::SamplePattern;
-use super::trace::{Backdrop, ray_generator};
 use super::traced_surface::{TracedRay, TracedSurface};
-use crate::budget::{Camera, Job, JobError, Projection, Refusal, RefusalCode, Screen};
+use crate::budget::{Camera, Job, Projection, Screen};
 use crate::explicit::Ray;
-use crate::implicit::query::{Beam, BeamCounts, BeamRecord, FieldOctree, FieldOctreeError, FieldTracer};
+use crate::implicit::query::{Beam, BeamCounts, BeamRecord, FieldOctree, FieldTracer};
 use crate::implicit::{Field, LeafError, Tape};
 use glam::DVec3;
-use std::fmt;
 
 /// The radius of shadow rays at their start as a fraction of the size, and its growth: far below the lamp's.
 const SHADOW_CONE: [f64; 2] = [2e-3, 1e-2]; // measured: a tenth of it takes five times as long, and looks the same
 /// The height above the surface at which shadow rays start, as a fraction of the size: far above the rounding
 /// of hits (2⁻⁴²) and far below a pixel.
 const LIFT: f64 = 1e-6; // derived: see above
-
-/// A picture of a field, with its camera and the counts of its rays.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FieldPicture {
-    /// The picture.
-    pub picture: Picture,
-    /// Its camera.
-    pub camera: Camera,
-    /// The counts of the camera rays, or of the pixels for a planar field.
-    pub counts: BeamCounts,
-}
-
-/// The reason why there is no picture of a field.
-#[derive(Clone, Debug)]
-pub enum FieldRenderError {
-    /// The rendering was refused or cancelled.
-    Stopped(JobError),
-    /// A leaf failed.
-    Leaf(LeafError),
-}
-
-impl fmt::Display for FieldRenderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Stopped(stopped) => stopped.fmt(f),
-            Self::Leaf(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for FieldRenderError {}
-
-impl From<JobError> for FieldRenderError {
-    fn from(stopped: JobError) -> Self {
-        Self::Stopped(stopped)
-    }
-}
-
-impl From<LeafError> for FieldRenderError {
-    fn from(error: LeafError) -> Self {
-        Self::Leaf(error)
-    }
-}
-
-impl From<FieldOctreeError> for FieldRenderError {
-    fn from(unbounded: FieldOctreeError) -> Self {
-        match unbounded {
-            FieldOctreeError::Region(_) => refusal(
-                "the field has no finite box; give a region to look in, as in -1,-1,-1 to 1,1,1".to_owned(),
-            ),
-            FieldOctreeError::Leaf(error) => Self::Leaf(error),
-        }
-    }
-}
-
-pub(super) fn refusal(message: String) -> FieldRenderError {
-    FieldRenderError::Stopped(JobError::Refused(Refusal::new(RefusalCode::Unsupported, message)))
-}
 
 /// Renders a field.
 ///

@@ -1,5 +1,5 @@
 //! `ReferenceSurface`: another surface, and the distance of points from it as a colour.
-use super::color_ramp::ColorRamp;
+use super::color::ColorRamp;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::greater;
@@ -40,8 +40,8 @@ impl HeatMap {
 
 #[cfg(test)]
 mod tests {
+    use super::super::color::RAMP;
     use super::super::color::srgb_to_linear;
-    use super::super::color_ramp::COLORS;
     use super::*;
 
     #[test]
@@ -51,9 +51,9 @@ mod tests {
         let at = |z: f64| heat.at([0.25, 0.25, z]);
         assert_eq!(
             (at(0.0), at(2.0), at(7.0)),
-            (srgb_to_linear(COLORS[0]), srgb_to_linear(COLORS[4]), srgb_to_linear(COLORS[4]))
+            (srgb_to_linear(RAMP[0]), srgb_to_linear(RAMP[4]), srgb_to_linear(RAMP[4]))
         );
-        assert_eq!(at(-1.0), srgb_to_linear(COLORS[2]));
+        assert_eq!(at(-1.0), srgb_to_linear(RAMP[2]));
         let brightness: Vec<f64> =
             (0..=20).map(|i| at(0.1 * f64::from(i)).dot(DVec3::new(0.2, 0.7, 0.1))).collect();
         assert!(brightness.windows(2).all(|pair| pair[1] < pair[0]), "{brightness:?}");
@@ -63,7 +63,7 @@ mod tests {
     fn no_distance_is_the_first_colour_even_without_a_scale() {
         let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
         let heat = HeatMap::new(ReferenceSurface { mesh: &mesh, most: 0.0 }, &Job::default()).unwrap();
-        assert_eq!(heat.at([0.25, 0.25, 0.0]), srgb_to_linear(COLORS[0]));
-        assert_eq!(heat.at([0.25, 0.25, 1e-9]), srgb_to_linear(COLORS[4]));
+        assert_eq!(heat.at([0.25, 0.25, 0.0]), srgb_to_linear(RAMP[0]));
+        assert_eq!(heat.at([0.25, 0.25, 1e-9]), srgb_to_linear(RAMP[4]));
     }
 }

@@ -1,7 +1,6 @@
 //! `StudioLights`: the lights around a mesh, and the shading of its surface.
 use super::color::srgb_to_linear;
 use super::options::UpAxis;
-use super::render_mesh::ShadingPoint;
 use super::sample_pattern::{SamplePattern, tangents};
 use crate::budget::Camera;
 use crate::math::{Box3, greater, lesser};
@@ -289,6 +288,29 @@ fn open_lamp(pattern: &SamplePattern) -> CosineTable {
             |[x, y]: &[f64; 2]| normal.dot(DVec3::new(LAMP_RADIUS * x, LAMP_RADIUS * y, 1.0).normalize());
         LAMP_LIGHT * points.iter().map(|p| greater(light(p), 0.0)).sum::<f64>() / points.len() as f64
     })
+}
+
+/// A point on the surface as a ray sees it.
+pub(super) struct ShadingPoint {
+    pub face: usize,
+    /// The point, and its depth along the line of sight.
+    pub at: DVec3,
+    pub depth: f64,
+    /// The origin of shadow rays.
+    pub origin: DVec3,
+    /// The unit normal of the triangle, towards the viewer.
+    pub flat: DVec3,
+    /// The unit shading normal, on the same side.
+    pub normal: DVec3,
+    /// Whether the front side is visible.
+    pub front: bool,
+}
+
+impl ShadingPoint {
+    /// The normal as a colour, with −1 … 1 as 0 … 1.
+    pub fn normal_as_color(&self) -> DVec3 {
+        self.normal * 0.5 + DVec3::splat(0.5)
+    }
 }
 
 /// A point to be lit.

@@ -1,10 +1,10 @@
 //! Pictures of shapes: ray-traced, and the same on every machine.
 mod camera;
 mod color;
-mod color_ramp;
 mod comb_picture;
 mod drawing;
 mod field;
+mod field_picture;
 mod heat_map;
 mod light;
 mod light_grid;
@@ -14,7 +14,6 @@ mod options;
 mod overshade;
 mod picture;
 mod picture_tile;
-mod picture_tiles;
 mod render_mesh;
 mod sample_pattern;
 mod trace;
@@ -34,6 +33,7 @@ pub mod drawings {
 
 /// Pictures of fields, and the surfaces with which they are compared.
 pub mod fields {
-    pub use super::field::{FieldPicture, FieldRenderError, frame_field, render_field};
+    pub use super::field::{frame_field, render_field};
+    pub use super::field_picture::{FieldPicture, FieldRenderError};
     pub use super::heat_map::ReferenceSurface;
 }

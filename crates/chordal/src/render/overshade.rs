@@ -1,10 +1,8 @@
 //! Pictures of shading cost: the number of lanes that a graphics processor launches for each pixel.
-use super::color::linear_to_srgb;
-use super::color_ramp::ColorRamp;
+use super::color::{Backdrop, ColorRamp, linear_to_srgb};
 use super::frame;
 use super::options::{Background, CullMode, RenderOptions, Viewpoint};
 use super::picture::Picture;
-use super::trace::Backdrop;
 use crate::budget::{Camera, Job, JobError};
 use crate::check::{Overshade, overshade};
 use crate::explicit::{HitSides, Mesh};

@@ -2,14 +2,13 @@
 //! pixels beside edges, and those whose colour differs from their neighbours', get all their rays.
 use super::Picture;
 use super::camera::RayGenerator;
+use super::color::{Backdrop, PremultipliedColor};
 use super::heat_map::HeatMap;
-use super::light::{LightShares, OcclusionTest, StudioLights};
+use super::light::{LightShares, OcclusionTest, ShadingPoint, StudioLights};
 use super::light_grid::{CELL, LightGrid, LightSource, SeenPixels, TileFrame};
 use super::options::{Background, RenderOptions, RenderStyle};
-use super::picture_tiles::{ImageTile, assemble, each_tile};
-use super::render_mesh::ShadingPoint;
+use super::picture::{ImageTile, assemble, each_tile};
 use super::sample_pattern::SamplePattern;
-use super::trace::{Backdrop, PremultipliedColor};
 use super::traced_surface::{SeenPoint, TracedSurface, direction_of};
 use super::zebra::zebra_color;
 use crate::budget::{Job, Screen};
@@ -314,10 +313,10 @@ fn changes(colors: &[PremultipliedColor], size: [u32; 2], p: usize) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::camera::{frame, ray_generator};
     use super::super::light::{Material, StudioShape};
     use super::super::options::Viewpoint;
     use super::super::render_mesh::RenderMesh;
-    use super::super::{camera::frame, trace::ray_generator};
     use super::*;
     use crate::explicit::Mesh;
 

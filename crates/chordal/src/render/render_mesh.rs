@@ -1,6 +1,6 @@
 //! `RenderMesh`: a mesh prepared for rays.
 use super::camera::RayGenerator;
-use super::light::OcclusionTest;
+use super::light::{OcclusionTest, ShadingPoint};
 use super::line_depths::LineDepths;
 use super::normals::ShadingNormals;
 use super::options::{CullMode, RenderOptions, RenderStyle};
@@ -20,29 +20,6 @@ pub(super) struct RenderMesh<'a> {
     /// The height above the surface at which secondary rays start: a millionth of its extent, far above the
     /// rounding of hits (10⁻¹⁵ of it) and far below a pixel.
     ray_offset: f64,
-}
-
-/// A point on the surface as a ray sees it.
-pub(super) struct ShadingPoint {
-    pub face: usize,
-    /// The point, and its depth along the line of sight.
-    pub at: DVec3,
-    pub depth: f64,
-    /// The origin of shadow rays.
-    pub origin: DVec3,
-    /// The unit normal of the triangle, towards the viewer.
-    pub flat: DVec3,
-    /// The unit shading normal, on the same side.
-    pub normal: DVec3,
-    /// Whether the front side is visible.
-    pub front: bool,
-}
-
-impl ShadingPoint {
-    /// The normal as a colour, with −1 … 1 as 0 … 1.
-    pub fn normal_as_color(&self) -> DVec3 {
-        self.normal * 0.5 + DVec3::splat(0.5)
-    }
 }
 
 impl<'a> RenderMesh<'a> {

@@ -1,6 +1,6 @@
 //! The renderer of meshes.
-use super::camera::RayGenerator;
-use super::color::{linear_to_srgb, srgb_to_linear, to_byte};
+use super::camera::ray_generator;
+use super::color::{Backdrop, srgb_to_linear};
 use super::heat_map::{HeatMap, ReferenceSurface};
 use super::light::{Material, StudioLights, StudioShape};
 use super::options::{RenderOptions, RenderStyle, Viewpoint};
@@ -8,16 +8,11 @@ use super::picture_tile::TileRenderer;
 use super::render_mesh::RenderMesh;
 use super::sample_pattern::SamplePattern;
 use super::{Picture, frame, render_overshade};
-use crate::budget::{Camera, Job, JobError, Refusal, RefusalCode, Screen, View};
+use crate::budget::{Job, JobError};
 use crate::explicit::Mesh;
-use glam::DVec3;
 
 /// The colour of lines in sRGB.
 const LINE: [u8; 3] = [38, 48, 62];
-/// Colours of the backdrop at the top and the bottom of the picture, in sRGB.
-const BACKDROP: [[u8; 3]; 2] = [[247, 249, 251], [219, 225, 232]];
-/// The most samples along a pixel's side.
-const MOST_SAMPLES: u32 = 16;
 
 /// Renders a mesh.
 ///
@@ -108,74 +103,4 @@ fn render_mesh(
         lines: (options.show == RenderStyle::Wire).then(|| srgb_to_linear(LINE)),
     };
     Ok(renderer.picture(job)?.0)
-}
-
-/// The ray generator, if camera and options are valid.
-pub(super) fn ray_generator(
-    camera: &Camera,
-    options: &RenderOptions,
-    job: &Job,
-) -> Result<RayGenerator, JobError> {
-    let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
-    View::Camera(*camera).checked().map_err(|wrong| refused(RefusalCode::Unsupported, wrong.to_string()))?;
-    let eye = RayGenerator::new(camera)
-        .ok_or_else(|| refused(RefusalCode::Unsupported, "the camera has no axes".into()))?;
-    if options.samples == 0 || options.samples > MOST_SAMPLES {
-        let message =
-            format!("samples along a pixel's side are 1 to {MOST_SAMPLES}, not {}", options.samples);
-        return Err(refused(RefusalCode::Unsupported, message));
-    }
-    let Screen { width_px: width, height_px: height } = camera.screen;
-    // Each tile is stored twice, by itself and in the picture; a mesh has a depth of lines in each pixel.
-    let bytes = (12 * u64::from(width)).saturating_mul(u64::from(height));
-    if bytes > job.memory_limit {
-        let message =
-            format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);
-        return Err(refused(RefusalCode::TooMuchMemory, message));
-    }
-    Ok(eye)
-}
-
-/// The light of the backdrop, at the top and at the bottom.
-pub(super) struct Backdrop {
-    ends: [DVec3; 2],
-    height: u32,
-}
-
-impl Backdrop {
-    pub fn new(height: u32) -> Self {
-        Self { ends: BACKDROP.map(srgb_to_linear), height }
-    }
-
-    /// The backdrop in row `y`, counted from the top of the picture.
-    pub fn at(&self, y: u32) -> DVec3 {
-        self.ends[0].lerp(self.ends[1], (f64::from(y) + 0.5) / f64::from(self.height))
-    }
-}
-
-/// A premultiplied colour: colour times alpha, and alpha.
-#[derive(Clone, Copy)]
-pub(super) struct PremultipliedColor {
-    pub color: DVec3,
-    pub alpha: f64,
-}
-
-impl PremultipliedColor {
-    pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0 };
-
-    /// Adds a sample, clamped, since a glint brighter than white would spoil the smoothness of its outline.
-    pub fn add(&mut self, sample: Self) {
-        self.color += sample.color.clamp(DVec3::ZERO, DVec3::ONE);
-        self.alpha += sample.alpha;
-    }
-
-    /// The bytes of the mean of `n` samples.
-    pub fn bytes(&self, n: usize, show: RenderStyle) -> [u8; 4] {
-        if self.alpha <= 0.0 {
-            return [0; 4];
-        }
-        let [r, g, b] = (self.color / self.alpha).to_array();
-        let encode = if show == RenderStyle::Normals { to_byte } else { linear_to_srgb };
-        [encode(r), encode(g), encode(b), to_byte(self.alpha / n as f64)]
-    }
 }

@@ -1,7 +1,6 @@
 //! `TracedSurface`: the surface against which rays are traced, a mesh or a field; and the points that rays of
 //! the picture see.
-use super::light::{GroundPoint, LitPoint, OcclusionTest, StudioLights};
-use super::render_mesh::ShadingPoint;
+use super::light::{GroundPoint, LitPoint, OcclusionTest, ShadingPoint, StudioLights};
 use crate::budget::JobError;
 use crate::explicit::Ray;
 use crate::implicit::query::BeamCounts;
