@@ -99,6 +99,7 @@ export class Viewer {
     this.picture = picture;
     this.section = picture.section;
     this.renderer.localClippingEnabled = this.section !== undefined;
+    // three.js cuts away what is behind a plane, a section what is in front of it.
     if (this.section) this.plane.set(new Vector3(...this.section.normal).negate(), this.section.offset);
     const layersById = new Map(picture.layers.map((layer) => [layer.id, layer]));
     for (const [id, shown] of this.shown) {
@@ -153,6 +154,7 @@ export class Viewer {
     return this.canvas;
   }
 
+  // Only then does the browser restore the context.
   private onLost = (event: Event): void => event.preventDefault();
   private onRestored = (): void => this.request();
 

@@ -203,7 +203,9 @@ function read({ json, buffer }: Glb, accessor: number, width?: number): Float32A
   const { bufferView, byteOffset = 0, componentType, count, type, normalized } = json.accessors![accessor]!;
   const components = WIDTHS[type] ?? 1;
   const kept = width ?? components;
+  // Without a width these are indices, of which single precision would round those above 2^24.
   const values = width === undefined ? new Uint32Array(count * kept) : new Float32Array(count * kept);
+  // An accessor without bytes is all zeros, as the format defines.
   if (bufferView === undefined) return values;
   const view = json.bufferViews![bufferView]!;
   const size = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 }[componentType] ?? 4;
@@ -230,6 +232,7 @@ function pictureOf({ json, buffer }: Glb, material: number | undefined): (Encode
   const source = texture?.extensions?.EXT_texture_webp?.source ?? texture?.source;
   const { bufferView, mimeType } = (source === undefined ? undefined : json.images?.[source]) ?? {};
   if (!reference || !texture || bufferView === undefined || !mimeType) return undefined;
+  // A view, not a copy: its offset in the file identifies the picture.
   const { byteOffset = 0, byteLength } = json.bufferViews![bufferView]!;
   const bytes = new Uint8Array(buffer.buffer, buffer.byteOffset + byteOffset, byteLength);
   const { wrapS = REPEAT, wrapT = REPEAT } = json.samplers?.[texture.sampler ?? -1] ?? {};

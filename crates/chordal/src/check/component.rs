@@ -107,6 +107,7 @@ impl ComponentSet {
             components[labels[h as usize / 3] as usize].boundary_loops +=
                 u64::from(ending == BoundaryKind::Loop);
         });
+        // If all neighbours are wound alike, the search would find nothing.
         if components.iter().any(|component| !component.oriented) {
             find_non_orientable(surface, |face| {
                 components[labels[face as usize] as usize].orientable = false
@@ -121,6 +122,9 @@ impl ComponentSet {
             component.genus =
                 (component.manifold() && component.orientable).then_some(twice_genus as u64 / 2);
         }
+        // The sign of a volume means inside or outside only if the surface is closed, its
+        // neighbours are wound alike, and each edge with three or more faces is run through as
+        // often upwards as downwards.
         let signs: Vec<Option<i8>> = (0..components.len())
             .map(|i| (inside[i] && components[i].closed && components[i].oriented).then(|| volumes[i].sign()))
             .collect();
@@ -183,6 +187,7 @@ fn count_edges(surface: &MeshConnectivity, labels: &[u32], components: &mut [Com
         }
         let component = &mut components[label as usize];
         match surface.twins.get(h) {
+            // Counted at the lower of the two half-edges.
             Twin::Pair(t) => component.edges += u64::from(h < t),
             Twin::Flipped(t) => {
                 component.edges += u64::from(h < t);
@@ -200,6 +205,7 @@ fn count_edges(surface: &MeshConnectivity, labels: &[u32], components: &mut [Com
         let label = labels[edge[0] as usize / 3] as usize;
         components[label].edges += 1;
         components[label].edge_manifold = false;
+        // Any order of positions serves, as long as both directions of an edge differ in it.
         let runs_up = |h: &&u32| surface.origin(**h) < surface.origin(next_in_face(**h));
         balanced[label] &= 2 * edge.iter().filter(runs_up).count() == edge.len();
     }
@@ -209,6 +215,8 @@ fn count_edges(surface: &MeshConnectivity, labels: &[u32], components: &mut [Com
 /// Counts the positions of each component, and detects positions at which it has two fans.
 fn count_positions(surface: &MeshConnectivity, labels: &[u32], components: &mut [Component]) {
     let mut first_at = vec![NONE; surface.mesh.positions().len()];
+    // The fans after the first at a position may belong to other components, so they are sorted out
+    // afterwards.
     let mut further: Vec<(u32, u32)> = Vec::new();
     count_fans(
         &surface.twins,
@@ -228,6 +236,9 @@ fn count_positions(surface: &MeshConnectivity, labels: &[u32], components: &mut 
     for same in further.chunk_by(|a, b| a == b) {
         let (position, label) = same[0];
         let component = &mut components[label as usize];
+        // The position was counted for the component of its first fan. For any other component it
+        // counts here, once; a component with two fans at a position, whichever of them comes
+        // first, is not manifold there.
         let is_first = first_at[position as usize] == label;
         component.positions += u64::from(!is_first);
         component.vertex_manifold &= !is_first && same.len() == 1;
@@ -265,6 +276,8 @@ fn measure_components(mesh: &Mesh, labels: &[u32], components: &mut [Component])
         let x = x.abs();
         greater(x, most)
     });
+    // By a power of two, so that scaling rounds nothing, and products of three lengths stay in
+    // range.
     let (down, up) = power_of_two_near(size);
     let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down;
     let tips: Vec<DVec3> = components.iter().map(|c| at(mesh.faces()[c.first_face as usize][0])).collect();
@@ -276,6 +289,8 @@ fn measure_components(mesh: &Mesh, labels: &[u32], components: &mut [Component])
         let twice_area = (b - a).cross(c - a);
         component.measure.area += twice_area.length();
         volume.sum += a.dot(b.cross(c));
+        // The sum of the absolute values of all products in the volume: its rounding error is a
+        // share of that, which decides whether the sign is certain.
         let (p, q) = (b.abs(), c.abs());
         let sizes = DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
         volume.size += a.abs().dot(sizes);

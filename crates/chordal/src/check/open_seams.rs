@@ -43,13 +43,13 @@ impl MeshConnectivity<'_> {
                 continue;
             }
             let rows = [h, next_in_face(h)].map(|h| self.origin_row(h));
-        // The shortest boundary edge at a vertex tells how fine the mesh is there, and with it
-        // which gaps are intended.
+            // The shortest boundary edge at a vertex tells how fine the mesh is there, and with it
+            // which gaps are intended.
             let length = distance_up(at(rows[0]), at(rows[1]));
             for row in rows {
                 let vertex =
                     boundary.entry(self.id(row)).or_insert(BoundaryVertex { row, shortest: f64::INFINITY });
-        // Fine enough for this vertex; `longest` asks the same of the vertices at the other point.
+                // Fine enough for this vertex; `longest` asks the same of the vertices at the other point.
                 vertex.shortest = lesser(length, vertex.shortest);
             }
         }

@@ -63,6 +63,7 @@ impl FanFaces {
         for pair in edges.chunk_by(|a, b| a.0 == b.0) {
             match pair {
                 [(_, a), (_, b)] => {
+                    // The two triangles run along the edge in opposite directions.
                     fans.join(*a, next(*b));
                     fans.join(next(*a), *b);
                 }

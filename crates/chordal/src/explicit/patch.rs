@@ -272,6 +272,7 @@ pub(crate) fn shared_sides(patches: &[Patch]) -> Vec<Vec<PatchEdgeUse>> {
             if curve.is_point() {
                 continue;
             }
+            // The smaller of the two directions stands for both.
             let back = curve.reversed();
             let reversed = compare(&back, &curve) == Ordering::Less;
             let used = PatchEdgeUse { sheet: patch as u32, side, reversed };

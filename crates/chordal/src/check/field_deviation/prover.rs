@@ -230,6 +230,9 @@ pub(super) fn is_separated(bounds: &Box3, corners: &[[f64; 3]; 3]) -> bool {
         let far = radius + ROUNDING * size * reach;
         along.iter().all(|x| *x > far) || along.iter().all(|x| *x < -far)
     };
+    // Two convex bodies are apart along a normal of a face of either, or along a product of two of
+    // their edges. Those of the box were tried above; here come the triangle's normal and the
+    // products of its sides with the axes.
     let sides: [[f64; 3]; 3] = std::array::from_fn(|k| difference(local[(k + 1) % 3], local[k]));
     if separates(cross(sides[0], sides[1])) {
         return true;

@@ -45,6 +45,7 @@ pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64;
     for [a, b, c] in open {
         let component = components.entry(sets.find(a)).or_default();
         let side = |a: u32, b: u32| distance(positions[a as usize], positions[b as usize]);
+        // A walk crosses each triangle once, by no more than its longest side.
         component.longest_walk += greater(greater(side(a, b), side(b, c)), side(c, a));
         component.is_attached |= [a, b, c].into_iter().any(|vertex| has([vertex, vertex]));
         component.vertex = a;

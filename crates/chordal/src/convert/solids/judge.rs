@@ -216,6 +216,7 @@ fn with_faces_split(mesh: &Mesh, faces: &[u32]) -> Result<Mesh, InvalidMesh> {
             [Some(m), None, None] => cut.extend([[a, m, c], [m, b, c]]),
             [None, Some(m), None] => cut.extend([[b, m, a], [m, c, a]]),
             [None, None, Some(m)] => cut.extend([[c, m, b], [m, a, b]]),
+            // Of two middles, the corner between them is cut off, and the rest is halved.
             [Some(m), Some(n), None] => cut.extend([[m, b, n], [a, m, n], [a, n, c]]),
             [None, Some(m), Some(n)] => cut.extend([[m, c, n], [b, m, n], [b, n, a]]),
             [Some(n), None, Some(m)] => cut.extend([[m, a, n], [c, m, n], [c, n, b]]),

@@ -77,6 +77,7 @@ fn corner_terms_rescaled(corners: [[f64; 3]; 3], scale: f64, weight: NormalWeigh
     let normal = face_normal(corners)?;
     let [a, b, c] = corners;
     let edge = |p: [f64; 3], q: [f64; 3]| {
+        // Halved first: the difference of the largest numbers would overflow.
         let along: [f64; 3] = std::array::from_fn(|k| 0.5 * q[k] - 0.5 * p[k]);
         unit_or_zero(along)
     };
