@@ -2,7 +2,6 @@
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::fault::Fault;
 use crate::input::InputSource;
-use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
 use crate::options::TableArgs;
 use crate::output::OutputTarget;
@@ -66,7 +65,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let run_args = RunArgs { input: &args.input, output: &args.output, console: &args.console };
     let mut run = VerbRun::start("lod", run_args)?;
     let output = LodOutput::prepare(args, form, &run)?;
-    let mut input = run.read_by(load::read)?;
+    let mut input = run.read()?;
     args.volume.apply(&mut input.shape)?;
     // The folder is created only after the input was read.
     let output = output.open(args, &input)?;
