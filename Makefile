@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo studio test test-long bench bench-quick pictures install clean fmt-check lint
+.PHONY: help demo studio test test-long oldest bench bench-quick pictures install clean fmt-check lint
 .PHONY: test-rust test-web test-looks test-tiles test-studio test-python
 .PHONY: wheel docs-site fuzz need-fuzz tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
@@ -87,6 +87,12 @@ fmt-check: need-rust
 
 lint: need-rust need-python
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+
+# Everything with the oldest compiler that Cargo.toml promises. Only what compiles: lints differ between versions.
+OLDEST = $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+oldest: need-rust ## compile with the oldest Rust that is supported
+	rustup toolchain install $(OLDEST) --profile minimal
+	$(CARGO) +$(OLDEST) check --workspace --locked --target-dir $(TARGET)/oldest
 
 # The tests of the workspace, doctests included.
 test-rust: need-rust need-python
@@ -239,7 +245,7 @@ wheel: studio-page need-python ## the Python package as it is given away: a whee
 # each theme of each language. PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: WHEEL := --profile release
 test-long: LONG := CHORDAL_LONG=1
-test-long: need-rust need-fuzz test-viewers test-web test-studio test-python docs-site ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
+test-long: need-rust need-fuzz oldest test-viewers test-web test-studio test-python docs-site ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
 	$(VENV)/bin/python -m pip install -q -r tests/python/requirements-long.txt
@@ -305,9 +311,9 @@ at-least = [ "$$(printf '%s\n' $(2) "$(1)" | sort -V | head -n 1)" = $(2) ]
 
 need-rust:
 	@command -v $(CARGO) > /dev/null \
-		|| { echo "Chordal needs Rust 1.95 or newer: install rustup from https://rustup.rs and open a new shell." >&2; exit 1; }
-	@version=$$($(CARGO) --version | cut -d ' ' -f 2); $(call at-least,$$version,1.95) \
-		|| { echo "Chordal needs Rust 1.95 or newer, not $$version: install rustup from https://rustup.rs, which fetches it." >&2; exit 1; }
+		|| { echo "Chordal needs Rust 1.90 or newer: install rustup from https://rustup.rs and open a new shell." >&2; exit 1; }
+	@version=$$($(CARGO) --version | cut -d ' ' -f 2); $(call at-least,$$version,1.90) \
+		|| { echo "Chordal needs Rust 1.90 or newer, not $$version: install rustup from https://rustup.rs, which fetches it." >&2; exit 1; }
 	@command -v cc > /dev/null \
 		|| { echo "Rust needs a C linker: install gcc (on Debian: apt install gcc libc6-dev)." >&2; exit 1; }
 

@@ -249,16 +249,16 @@ impl ProgramBuilder<'_> {
                 Some(parts) => self.vector_instruction(VectorOp::Length, parts),
                 None => step(Opcode::Unary(*op), self.operand(*a), 0, 0.0),
             },
-            Term::Binary(op, a, b) => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
-                _ if let Some(sides) = box_distance_operands(self.terms, term) => {
-                    self.vector_instruction(VectorOp::BoxDistance, sides)
-                }
-                (Term::Const(number), Term::Const(_)) => {
-                    step(Opcode::ConstWith(*op), self.operand(*b), 0, *number)
-                }
-                (_, Term::Const(number)) => step(Opcode::WithConst(*op), self.operand(*a), 0, *number),
-                (Term::Const(number), _) => step(Opcode::ConstWith(*op), self.operand(*b), 0, *number),
-                _ => step(Opcode::Binary(*op), self.operand(*a), self.operand(*b), 0.0),
+            Term::Binary(op, a, b) => match box_distance_operands(self.terms, term) {
+                Some(sides) => self.vector_instruction(VectorOp::BoxDistance, sides),
+                None => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
+                    (Term::Const(number), Term::Const(_)) => {
+                        step(Opcode::ConstWith(*op), self.operand(*b), 0, *number)
+                    }
+                    (_, Term::Const(number)) => step(Opcode::WithConst(*op), self.operand(*a), 0, *number),
+                    (Term::Const(number), _) => step(Opcode::ConstWith(*op), self.operand(*b), 0, *number),
+                    _ => step(Opcode::Binary(*op), self.operand(*a), self.operand(*b), 0.0),
+                },
             },
         };
         // Released first, so that the result may take the register of an operand: the interpreter stores it

@@ -285,7 +285,7 @@ impl CellTriangulator<'_> {
         // Parts of edges that run both ways cancel, as along the two sides of a slit.
         for edge in &content.edges {
             let stops = self.stops(*edge, &content.vertices);
-            for [a, b] in stops.array_windows::<2>() {
+            for (a, b) in stops.iter().zip(stops.iter().skip(1)) {
                 let (pair, sign) = if a < b { ([*a, *b], 1) } else { ([*b, *a], -1) };
                 *net.entry(pair).or_default() += sign;
             }
