@@ -19,6 +19,7 @@ pub(crate) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
     if largest == 0.0 {
         return 1.0;
     }
-    // Both ends of the range have a reciprocal that is a normal number: 2^-1022 and 2^1023.
+    // Clamped to the exponents of normal numbers, −1022 to 1023. The reciprocal of 2^1023 is subnormal, but exact
+    // as well.
     f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
 }

@@ -66,8 +66,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     p = 1.0 / 5.0 + z * p;
     p = -1.0 / 3.0 + z * p;
     let angle = base + (t + (t * (z * p) + remainder));
-    // The rest of π/2 is taken from the angle, where it still counts: π/2 − rest rounds back to
-    // π/2.
+    // The rest of π/2 is taken off the angle, where it still counts: π/2 + rest would round back to π/2.
     let angle = if steep { std::f64::consts::FRAC_PI_2 - (angle - HALF_PI_REST) } else { angle };
     // The bit and not a comparison, since −0 also lies on the negative axis.
     let behind = x.to_bits() >> 63 == 1;

@@ -32,7 +32,7 @@ fn power_of_two(n: f64) -> f64 {
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
     // Beyond these ends the result is ∞ or 0 in any case, and each half of k has to stay an
-    // exponent of a normal number. NaN passes both comparisons.
+    // exponent of a normal number. NaN fails both comparisons, and stays.
     let x = if x > 710.0 { 710.0 } else { x };
     let x = if x < -746.0 { -746.0 } else { x };
     let k = (x * std::f64::consts::LOG2_E + TO_WHOLE) - TO_WHOLE;

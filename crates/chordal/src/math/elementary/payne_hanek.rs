@@ -52,9 +52,8 @@ pub(super) fn reduce(x: f64) -> ReducedAngle {
     let e = (bits >> 52) as usize; // x = m · 2^(e − 1075)
     // The first digit needed is worth 2^-j with j = (e − 1075) − 1: then m·digit is worth 2 · m.
     let product = times(window(e + 64 - 1077), m);
-    // Two bits of turns, 254 bits of fraction; a fraction above a half becomes negative.
-    // The unit is a quarter turn. From the nearest multiple of it, not the one below, so that the
-    // angle is at most π/4, where the series are short.
+    // Two bits of quarter turns, 254 bits of fraction. A fraction above a half counts from the next quarter turn,
+    // and is negative, so that the angle is at most π/4, where the series are short.
     let above_half = product[0] >> 61 & 1 == 1;
     let turns = (product[0] >> 62) + u64::from(above_half);
     let fraction = [product[0] & (u64::MAX >> 2), product[1], product[2], product[3]];
