@@ -40,10 +40,9 @@ struct DuplicateFace {
 /// The faces that repeat the positions of an earlier one: all of them, and those with the opposite winding.
 pub(super) fn find_duplicates(surface: &MeshConnectivity) -> (Finding, Finding) {
     let mut repeats = Vec::new();
-    // Faces with the same positions share all sides, two of them at least with each other alone or with more faces.
     for face in (0..surface.n_faces()).filter(|face| surface.twins.may_share_two_sides(*face)) {
-        // Two faces with the same corners are each other's neighbours at all three sides, or at
-        // those that no other face has; edges with more faces are looked at below.
+        // Two faces with the same corners are each other's neighbours at all sides that no further face has.
+        // Edges with more faces are looked at below.
         for h in surface.half_edges(face).into_iter().flatten() {
             let (t, opposite) = match surface.twins.get(h) {
                 Twin::Pair(t) => (t, true),

@@ -106,9 +106,8 @@ pub fn join<const D: usize>(
     let curved = curvatures.iter().flatten().fold(0.0, |most, c| greater(*c, most));
     let curvature_rounding = (rounding[1] / slow + 4.0 * curved * rounding[0]) / slow;
     let geometric = (position_gap == 0.0).then(|| match (angle_rad, curvature_gap) {
-        // Where the path stops, the direction is a limit and the speed is no measure of its
+        // Where the path stops, the directions are limits of unit length, and the speed is no measure of their
         // rounding.
-        // Directions of unit length.
         (Some(angle), _) if slow == 0.0 => u8::from(angle <= FIRST * f64::EPSILON),
         (Some(angle), Some(gap)) if angle <= angle_rounding => {
             if gap <= curvature_rounding {

@@ -49,7 +49,6 @@ impl MeshConnectivity<'_> {
             for row in rows {
                 let vertex =
                     boundary.entry(self.id(row)).or_insert(BoundaryVertex { row, shortest: f64::INFINITY });
-                // Fine enough for this vertex; `longest` asks the same of the vertices at the other point.
                 vertex.shortest = lesser(length, vertex.shortest);
             }
         }

@@ -41,8 +41,6 @@ impl MeshConnectivity<'_> {
         let mesh = self.mesh;
         // Grouped by the first of the rows at one point, so that many coincident rows are examined only once for
         // each edge.
-        // Grouped by the first of the rows at one point, so that many coincident rows are examined only once for
-        // each edge.
         let mut edge_of: BTreeMap<u32, (Vec<u32>, u32)> = BTreeMap::new();
         vertices_in_edges(self, within, |rows, h| {
             edge_of.entry(rows[0]).or_insert_with(|| (rows.to_vec(), h));

@@ -319,8 +319,8 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         let corners: [[f64; 3]; 8] = std::array::from_fn(|c| self.lattice.at(part.corner(c)));
         let (triangle, _) = self.bvh.triangle_of(nearest);
         let plane = FacePlane::new(triangle).filter(|plane| corners.iter().all(|p| plane.holds(*p)));
-        // Where the interpolant vanishes, the height is its negative difference from the
-        // interpolant; the difference is trilinear, and no larger than at the corners.
+        // Where the interpolant vanishes, the height over the plane is the height less the interpolant, which is
+        // trilinear, and so no larger than at the corners.
         let second = plane.map(|plane| greatest_gap(&plane, &corners, &part.values) + 2.0 * slack);
         if let Some(second) = second.filter(|second| *second <= self.max) {
             return Some(second);

@@ -128,7 +128,7 @@ pub(super) fn cover(
             }
             match across(other.twins(), 3 * face + k as u32) {
                 Some(neighbour) => scratch.visit(neighbour),
-                // No neighbour, or one that is wound the other way: the surface ends here.
+                // No neighbour, several, or one that is wound the other way: the surface ends here.
                 None => trim = greater(trim, view.depth(side)),
             }
         }

@@ -207,8 +207,8 @@ pub(super) fn search(
     let mut first = true;
     loop {
         let n_open: u64 = directions.iter().map(|direction| direction.open.len() as u64).sum();
-        // The remaining bisections are divided evenly among all open pieces.
-        // So that a piece which never settles does not take what the others need.
+        // The remaining bisections are divided evenly among all open pieces, so that a piece which never settles
+        // does not take what the others need.
         let cuts_allowed = most_cuts.saturating_sub(cuts) / (n_open + 1) + 1;
         let cuts_allowed =
             if cuts_allowed < u64::from(cuts_per_piece) { cuts_allowed as u32 } else { cuts_per_piece };

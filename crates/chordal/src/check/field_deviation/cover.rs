@@ -396,7 +396,8 @@ impl FieldCover {
             let centre = ranges.bounds.centre();
             for (slope, middle) in ranges.slopes.iter_mut().zip(cell_middles) {
                 let Some(gradient) = slope.gradient else { continue };
-                // F(x) − F(centre)| ≤ Σ |∂ₖF|·|xₖ − centreₖ|. Where that is no narrower than the range, the range stays: both hold.
+                // |F(x) − F(centre)| ≤ Σ |∂ₖF|·|xₖ − centreₖ|. Both this and the range hold, so the narrower ends
+                // stay.
                 let stray = (0..3).fold(0.0, |sum, k| {
                     let (low, high) =
                         (sub_up(centre[k], ranges.bounds.min[k]), sub_up(ranges.bounds.max[k], centre[k]));

@@ -94,7 +94,7 @@ pub(super) fn classify_sides(
     let faces: Vec<[u32; 3]> = unknown.iter().map(|k| question.faces[*k]).collect();
     let mut computed =
         classify_uncached(regions, evaluator, &SideQuery { faces: &faces, ..*question })?.into_iter();
-    // Emptied and not trimmed: which of the old verdicts will be asked for again is not known.
+    // Forgets all old verdicts if there are too many, since it is not known which will be asked for again.
     regions.face_sides.reserve(unknown.len());
     let mut results = Vec::with_capacity(cached.len());
     for (key, cached) in keys.into_iter().zip(cached) {

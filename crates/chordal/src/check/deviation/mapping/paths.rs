@@ -351,10 +351,9 @@ impl PathFinder<'_> {
 
     /// The way around a vertex from one of its faces to another.
     fn around(&self, v: u32, [from, to]: [u32; 2], way: Way) -> Option<Vec<u32>> {
-        // `h` starts at v.       to the left the face is left through the edge before h, which ends at v;
-        //       v                its twin starts at v again
-        //      ╱ ╲  h            to the right it is left through h itself; the next half-edge
-        //     ╱   ╲              of the twin's face starts at v again
+        //     ╲   ╱  h           `h` starts at v. To the left, the way leaves the face through the half-edge before h,
+        //      ╲ ╱               which ends at v; its twin starts at v again. To the right, it leaves through h
+        //       v                itself; the half-edge after the twin starts at v again.
         let mut h = (3 * from..3 * from + 3).find(|h| self.result.start(*h) == v)?;
         let mut crossed = Vec::new();
         for _ in 0..self.most_crossed(MOST_AROUND) {
