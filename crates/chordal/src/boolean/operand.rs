@@ -75,8 +75,8 @@ impl<'a> Operand<'a> {
         let (mut points, mut faces, mut face_of) = (Vec::new(), Vec::new(), Vec::new());
         for (face, corners) in (0..).zip(mesh.faces()) {
             let [a, b, c] = corners.map(|row| ids[row as usize]);
-            // Its two other sides are one edge in both directions, so that without the face the
-            // mesh is as closed as before.
+            // If two corners of a face are one, its other two sides are one edge in both directions, so that the
+            // mesh is as closed without it.
             if a == b || b == c || c == a {
                 continue;
             }
