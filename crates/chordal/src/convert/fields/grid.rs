@@ -342,13 +342,13 @@ impl<'a> FieldGrid<'a> {
                 halves.extend(
                     parts.map(|tetrahedron| PendingCell { tetrahedron, pruned: Arc::clone(&pruned) }),
                 );
+                // Only the first of the cells around an edge reports it, so that its midpoint gets one entry in
+                // the values.
                 if let Some(edge) = edge {
                     self.values.push_vertex();
                     edges.push(edge);
                 }
             }
-            // Only the first of the cells around an edge reports it, so that its midpoint gets one entry in
-            // the values.
             // Cells of the grid that have one of the edges.
             pending = Vec::new();
             for [a, b] in edges {

@@ -145,7 +145,6 @@ impl ProofSearch<'_, '_> {
         let mut n_open = usize::MAX;
         for _ in 0..MOST_ROUNDS {
             let open = open_faces(&verdict);
-            // More than twice as many as before.
             let is_worse = open.len() / 2 > n_open;
             if open.is_empty() || is_worse || !is_few(&mesh, &open, few) || self.proof.is_over() {
                 break;
