@@ -98,8 +98,8 @@ pub(crate) fn open_edges(mesh: &Mesh) -> Vec<OpenEdge> {
     }
     let mut edges = Vec::new();
     for same in halves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        // Faces on both sides of an edge cancel, whatever their number, so an edge with four faces
-        // may be closed and one with three needs one lid.
+        // Faces that run along an edge in opposite directions cancel, so an edge with four faces may be closed, and
+        // one with three never is.
         let net: i32 = same.iter().map(|half| half.2).sum();
         if net != 0 {
             let [a, b] = [same[0].0, same[0].1].map(|id| row_of[id as usize]);

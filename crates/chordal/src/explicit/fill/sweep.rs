@@ -337,8 +337,8 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
     /// reach that point.
     fn expect_apart(&self, low: u32, high: u32) -> Result<(), EdgeCrossing> {
         let (low, high) = (self.edges[low as usize], self.edges[high as usize]);
-        // Points are numbered in the order of the sweep, so the edge with the lower end is the
-        // first to leave; it must leave on its own side of the other edge.
+        // Points are numbered in the order of the sweep, so the edge whose right end has the lower number ends
+        // first. It must end on its own side of the other edge.
         let crosses = match low.to.cmp(&high.to) {
             Ordering::Equal => false,
             Ordering::Less => self.turn(high.from, high.to, low.to) == Ordering::Greater,

@@ -20,8 +20,8 @@ pub enum NormalWeight {
 #[inline]
 pub(super) fn unit_or_zero(v: [f64; 3]) -> [f64; 3] {
     let square = dot(v, v);
-    // Squares of numbers between 1e-100 and 1e100 and sums of three of them are far inside the range of f64,
-    // where exponents are exact; other vectors are scaled first.
+    // Squares of numbers between 1e-100 and 1e100, and sums of three of them, are far inside the range of f64.
+    // Other vectors are scaled first.
     if square > 1e-200 && square < 1e200 {
         let factor = 1.0 / square.sqrt();
         return v.map(|x| x * factor);
