@@ -109,7 +109,7 @@ impl Field {
         let Some(seams) = distribute_faces(self.expr(), other.expr(), &blend, seam.size(), &region) else {
             return Ok(plain);
         };
-        // Above 0 beyond the region.
+        // With the walls, the seams are above 0 beyond the region.
         let seams = walls(&region).iter().fold(seams, |seams, wall| seams.max(wall));
         let value = plain.expr().min(&seams);
         let sign = plain.sign().min(&seams);
