@@ -68,8 +68,7 @@ impl LineDepths {
             return;
         }
         let size = [f64::from(self.screen.width_px), f64::from(self.screen.height_px)];
-        // The part of the edge inside the picture.
-        // Clipped to the picture, side by side: an edge may be millions of pixels long.
+        // The part of the edge inside the picture, since an edge may be millions of pixels long.
         let (mut from, mut to) = (0.0, 1.0);
         for k in 0..2 {
             let by = b[k] - a[k];
@@ -99,8 +98,8 @@ impl LineDepths {
             let [x, y] = [x as usize, y as usize];
             let [w, h] = [self.screen.width_px, self.screen.height_px].map(|n| n as usize);
             if x < w && y < h {
-                // The least of all depths, whichever thread comes first. Positive f32 numbers have
-                // the order of their bits.
+                // The least of all depths, whichever thread comes first. Positive numbers are in the order of
+                // their bits, and so are the upper halves of these.
                 self.bits[y * w + x].fetch_min(upper(depth), Ordering::Relaxed);
             }
         }
