@@ -73,7 +73,7 @@ fn draw_order(mesh: &Mesh) -> Vec<u32> {
         let local_faces: Vec<[u32; 3]> =
             run.iter().map(|face| mesh.faces()[*face as usize].map(&mut local_index)).collect();
         order.extend(cache_order(&local_faces).into_iter().map(|i| run[i as usize]));
-        // Only what this group has set, for the same reason.
+        // Only what this group has set: clearing all would take every group as long as the whole mesh.
         vertices.into_iter().for_each(|vertex| number[vertex as usize] = u32::MAX);
     }
     order

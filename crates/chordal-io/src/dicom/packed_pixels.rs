@@ -63,12 +63,12 @@ pub(super) fn unpack(
     let width = format.element.width();
     let mut bytes = crate::grow::with_room(samples.len() * width)?;
     for sample in samples {
-        // Negative numbers are those of 16 bits.
+        // Negative samples have 16 bits here, in two's complement: those of one byte are from 0xFF80 on.
         if width == 1 && sample > 0xFF && sample < 0xFF80 {
             let message = "the packed pixels have more bits than the file states";
             return Err(ReadError::new("size-mismatch", place, message));
         }
-        // The bits above a negative number of fewer bits are not looked at.
+        // The bits above the stored ones of a negative sample are ones, which `decode` does not look at.
         bytes.extend_from_slice(&u32::from(sample).to_le_bytes()[..width]);
     }
     Ok(bytes)

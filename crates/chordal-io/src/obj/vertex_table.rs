@@ -42,11 +42,11 @@ impl ObjVertexTable {
         if *first_pair == pair {
             return Ok(corner.position);
         }
-        // Only positions at seams get further, and need the map.
         if *first_pair == [UNUSED, UNUSED] {
             *first_pair = pair;
             return Ok(corner.position);
         }
+        // Only positions at seams get further, and need the map.
         let next = self.first.len() + self.more.len();
         match self.index.entry(corner) {
             std::collections::hash_map::Entry::Occupied(known) => Ok(*known.get()),
