@@ -159,7 +159,8 @@ pub(crate) fn snap_with_bound(
         return Ok(Bounded { shape: snapped.mesh, bound });
     }
     let mut cleaned = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
-    // A face flattened by rounding is no farther from its neighbours than it moved; a face that is had no area before.
+    // A face flattened by rounding is no farther from its neighbours than it moved. One that is farther had no area
+    // before the rounding.
     if cleaned.bound.at_most().is_none_or(|most| most > snapped.moved_at_most) {
         cleaned.bound = Bound::exact(Reference::InputTriangles);
         cleaned.mesh = snapped.mesh;
