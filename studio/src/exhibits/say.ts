@@ -24,7 +24,7 @@ export class Say {
 
   /** A fixed number of decimals. */
   fixed(value: number, digits = 2): string {
-    // Nor has a negative number one that rounds to 0.
+    // A negative number that rounds to 0 has no minus either.
     const text = (Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits);
     return text.replace("-", "−");
   }

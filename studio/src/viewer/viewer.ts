@@ -154,7 +154,7 @@ export class Viewer {
     return this.canvas;
   }
 
-  // Only then does the browser restore the context.
+  // The browser restores a lost context only if its default action is prevented.
   private onLost = (event: Event): void => event.preventDefault();
   private onRestored = (): void => this.request();
 
