@@ -45,7 +45,7 @@ fn sort_by_angle([a, b]: [[f64; 3]; 2], faces: &mut [RadialFace]) {
     let Some(first) = faces.iter().map(|face| face.apex).find(|&apex| !is_collinear(a, b, apex)) else {
         return;
     };
-    // Seen along the edge, with growing angles:
+    // Seen from b towards a, with growing angles:
     //           1
     //      2 ───┼─── 0  (the first face)
     //           3
