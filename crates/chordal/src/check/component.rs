@@ -276,8 +276,8 @@ fn measure_components(mesh: &Mesh, labels: &[u32], components: &mut [Component])
         let x = x.abs();
         greater(x, most)
     });
-    // By a power of two, so that scaling rounds nothing, and products of three lengths stay in
-    // range.
+    // By a power of two, so that scaling rounds nothing but what underflows, which `SignedVolume::sign` allows for,
+    // and products of three lengths stay in range.
     let (down, up) = power_of_two_near(size);
     let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down;
     let tips: Vec<DVec3> = components.iter().map(|c| at(mesh.faces()[c.first_face as usize][0])).collect();
