@@ -30,6 +30,7 @@ pub(crate) fn mesh_by_booleans(
     if request.budget.require == RequiredEvidence::Estimated {
         return Ok(None);
     }
+    // Cuts move vertices by their own rounding, which a part has to leave room for beside that of the format.
     let rounding = add_up(request.rounding(), cutting_slack(&request.bounds));
     let length = request.reserve_rounding(rounding)?.length_in(&request.bounds);
     let Some(within) = length.and_then(|length| Tolerance::new(length).ok()) else { return Ok(None) };
@@ -118,6 +119,8 @@ impl SolidCutter<'_> {
         (op, [first, second]): (BooleanOp, [usize; 2]),
         uses: &[usize],
     ) -> Result<PendingSolid, MeshFailure> {
+        // Cuts of a chain are made from left to right, so that only the first solid's can go on: the second becomes
+        // one mesh.
         let Some(other) = self.taken(solids, second, uses[second])? else { return Ok(PendingSolid::Used) };
         if uses[first] == 1
             && let PendingSolid::Chain(..) = &solids[first]
@@ -182,6 +185,8 @@ impl SolidCutter<'_> {
                 let operand_bounds: Vec<&Bound> = operands
                     .iter()
                     .map(|operand| &operand.bound)
+                    // A mesh as it is adds no length. It also leaves the evidence as strong as that of the cut alone:
+                    // the bound of an approximated operand makes it conditional.
                     .filter(|bound| bound.at_most() != Some(0.0))
                     .collect();
                 let bound = total_bound(&solid, &operand_bounds);

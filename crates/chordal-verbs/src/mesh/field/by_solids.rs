@@ -39,6 +39,7 @@ pub(crate) fn mesh_by_solids(
     }
     // Vertices may be outside of round solids by the length.
     let Some(requested) = budget.length else { return Ok(None) };
+    // Rounding is reserved for the larger box, since coordinates farther out are rounded by more.
     let request = request.with_reach(requested.get());
     let Ok(inner) = request.reserve_rounding(request.rounding()) else { return Ok(None) };
     let Some(length) = inner.length else { return Ok(None) };
@@ -58,11 +59,15 @@ pub(crate) fn mesh_by_solids(
             // Without cuts, the solids may use the whole length.
             match assembled(1.0) {
                 Some(AssembledMesh { mesh, off: Some(off) }) => with_bound(mesh, off),
+                // Within more, the boxes may be too near to each other for solids to stay uncut; the finer mesh
+                // holds.
                 _ => with_bound(mesh, off),
             }
         }
         Some(first) => {
             let others = SHARES[1..].iter().map_while(|share| assembled(*share));
+            // All of these are lazy: solids are meshed within the smaller share only if the judge refuses the mesh
+            // before.
             let candidates = std::iter::once(first).chain(others);
             let mut meshes = candidates.map(|built| tidied(built.mesh, length, &request, job));
             convert::solids::judged_against_field(&mut meshes, field, (length, budget.require), job)
@@ -145,6 +150,7 @@ fn with_fewer_triangles(
     match simplified_without_crossings(mesh.clone(), (budget, length.get(), request.effort), job) {
         Ok(fewer) => Ok(fewer),
         Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
+        // Fewer triangles are a wish: a mesh that cannot be simplified keeps its own bound.
         Err(Failure::Unmet(_) | Failure::Refused(_)) => Ok((mesh, None)),
     }
 }

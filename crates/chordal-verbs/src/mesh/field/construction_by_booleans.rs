@@ -118,6 +118,7 @@ impl SolidAssembler<'_> {
         let ends = if has_half_space(part) { [room.min, room.max] } else { [[0.0; 3]; 2] };
         let mut key = [length.get().to_bits(); 7];
         key.iter_mut().zip(ends.as_flattened()).for_each(|(bits, x)| *bits = x.to_bits());
+        // An address is as good as a name while the construction is borrowed: no other part can get it.
         let key = (part.address(), key);
         if let Some(solid) = self.solids.get(&key) {
             return Ok(solid.clone());
@@ -131,6 +132,7 @@ impl SolidAssembler<'_> {
         if *map == Affine3::IDENTITY {
             return Ok(solid);
         }
+        // The map needs some bound: 0 takes the place of an unknown one, which stays unknown below.
         let bound = Bound::proved(0.0, solid.off.unwrap_or(0.0), Reference::Field);
         let mesh = Bounded { shape: Arc::unwrap_or_clone(solid.mesh), bound };
         let placed = SolidMesher::placed(&mesh, map).ok_or(NoTriangles)?;
@@ -149,9 +151,13 @@ impl SolidAssembler<'_> {
         let first = PlacedPart { construction, place: *place, is_complement: false };
         let (mut todo, mut parts) = (vec![first], Vec::new());
         let repeated = repeated_parts(construction);
+        // The part that was pushed last is taken first: parts are pushed in reverse, and so stay in the order of the
+        // script.
         while let Some(part) = todo.pop() {
             let PlacedPart { construction, place, is_complement } = part;
             match construction.node() {
+                // By De Morgan's laws, a complement turns one operation into the other: its parts belong here if that
+                // is this one.
                 ConstructionNode::Union(below) if is_complement == (op != BooleanOp::Union) => {
                     todo.extend(below.iter().rev().map(|construction| PlacedPart { construction, ..part }));
                 }
@@ -224,6 +230,7 @@ impl SolidAssembler<'_> {
             return Ok(apart);
         }
         let (outer, inner): (Vec<_>, Vec<_>) = solids.into_iter().partition(|solid| solid.is_complement);
+        // Coordinates are tied over all meshes, solids and complements: a plane may be a face of both.
         let mut meshes: Vec<Mesh> =
             [&inner, &outer].into_iter().flatten().map(|solid| solid.mesh.as_ref().clone()).collect();
         tie_coordinates(&mut meshes);
@@ -282,6 +289,8 @@ impl SolidAssembler<'_> {
         if meshes.iter().all(|mesh| mesh.faces().is_empty()) {
             return Ok(SidedSolid { mesh: Mesh::default().into(), is_complement, off: None });
         }
+        // Nothing was cut, and still there is no bound: these may be several solids whose boxes do not meet, but
+        // whose true surfaces do, being within the length of their triangles.
         if let [one] = meshes.as_slice() {
             return Ok(SidedSolid { mesh: one.clone().into(), is_complement, off: None });
         }
@@ -297,6 +306,7 @@ impl SolidAssembler<'_> {
         }
         let meshes: Vec<&Mesh> = meshes.iter().collect();
         // Not rounded to a format: this is an intermediate mesh.
+        // Where the fast engine fails, this cut has exact arithmetic to fall back on.
         match cut(&meshes, &ops, RoundingTarget::format(Format::Ply), self.job) {
             Ok(solid) if solid.bound.evidence().bounds_above() => {
                 Ok(SidedSolid { mesh: solid.mesh.into(), is_complement, off: None })
@@ -380,6 +390,7 @@ fn scale_of(map: &Affine3) -> f64 {
 fn preimage(map: &Affine3, room: &Box3) -> Box3 {
     let [x, y, z] = map.rows();
     let scale = scale_of(map);
+    // The inverse of a similarity is its transpose, divided by the square of its scale.
     let back = |p: [f64; 3]| {
         let q = [p[0] - x[3], p[1] - y[3], p[2] - z[3]];
         std::array::from_fn(|k| (x[k] * q[0] + y[k] * q[1] + z[k] * q[2]) / (scale * scale))
@@ -460,6 +471,7 @@ fn tie_coordinates(meshes: &mut [Mesh]) {
         let mut first = f64::NEG_INFINITY;
         let mut tied = Vec::new();
         for value in values {
+            // Compared with the first of its group and not with the one before: a row of near values would drift.
             if value - first <= near {
                 tied.push((value, first));
             } else {

@@ -189,6 +189,8 @@ fn mesh_of_field(
         Some(mesh) if is_enough(&mesh) || !limits.tries_field(field) || job.is_finishing() => mesh,
         None => mesh_whole(field, request, job)?,
         // The proof by the field may succeed at places where the proof by its solids does not.
+        // Whatever else this attempt ends in, a refusal included, the mesh by solids is complete and stays the
+        // result.
         Some(mesh) => match mesh_whole(field, request, &limits.by_field()) {
             Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
             Ok(mesh_of_field) if is_proved(&mesh_of_field) => mesh_of_field,
@@ -270,6 +272,7 @@ pub(crate) const DRAFT: &str = "a draft: its triangles may cross each other, and
 /// Notes on the triangles of a shape as they are written: edges that rounding ties together, and triangles that cross.
 fn shape_notes(mesh: &Mesh, request: &MeshRequest, job: &Job) -> Vec<Message> {
     let mut notes = Vec::new();
+    // By positions and not by indices: rounding may have brought separate vertices to one place.
     let ties = check::validity(mesh, Topology::Positions).non_manifold_edges.count;
     if ties > 0 {
         let message = format!(
@@ -317,6 +320,7 @@ fn mesh_in_detail(
     let is_proof_tried =
         matches!(budget.require, RequiredEvidence::Proved | RequiredEvidence::ProvedOrMeasured)
             && field.evidence().bounds_above();
+    // Collapses get what is left as a length alone: a limit in pixels would be lost on the way.
     if !is_proof_tried || budget.pixels.is_some() || budget.triangles.is_some() {
         return direct().map(|mesh| (mesh, None));
     }
@@ -358,6 +362,8 @@ fn simplified_field(
         }
         Err(_) => *budget,
     };
+    // A lattice that misses its share is of use all the same: collapses get what its own bound leaves, not what the
+    // share does.
     let mesh = convert::field_to_mesh(field, &fine, job).or_else(Failure::best_effort)?;
     simplified(mesh, (budget, length, request.effort), job)
 }
@@ -454,6 +460,7 @@ fn flat() -> Message {
 pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
     let field = implicit.solid();
     let bounds = field.bounds();
+    // Infinite ends are no fault here: they are refused below, with the advice to cut the shape off.
     if let Some(far) = bounds.min.iter().chain(&bounds.max).find(|x| x.is_finite() && x.abs() > LARGEST) {
         let message = format!(
             "the shape reaches to {far:e}, and squares of coordinates beyond {LARGEST:e} are no numbers any more: scale it down"

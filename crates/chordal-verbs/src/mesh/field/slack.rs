@@ -57,6 +57,7 @@ impl SlackRequest {
             let why = why_not.unwrap_or("points of the mesh are measured, and nothing bounds it");
             return (bound, Some(format!("{NOT_COUNTED}{within}: {why}").into()));
         };
+        // The true curves may be nearer to the mesh than their lines are, by up to the slack.
         let at_least = greater(sub_down(bound.at_least(), *slack), 0.0);
         let (evidence, reference) = (bound.evidence().clone(), bound.reference.clone());
         let mut total = Bound::with_evidence(at_least, Some(add_up(most, *slack)), evidence, reference);

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn labels_without_a_colour_get_one_of_their_own_that_any_two_of_many_differ_in() {
+    fn labels_without_a_colour_get_colours_of_which_no_two_are_alike() {
         let colors: Vec<[f64; 3]> = (-2..120).map(color_of).collect();
         for (i, a) in colors.iter().enumerate() {
             assert!(a.iter().all(|x| (0.0..=1.0).contains(x)), "{a:?}");

@@ -234,6 +234,7 @@ fn polygonize_rule(
         "the surface is where samples are {level}, with samples {words} that inside{kind_note}; samples lie between {low} and {high}"
     ).into());
     let rule = if side == Inside::High { Polygonize::above(level) } else { Polygonize::below(level) };
+    // Before the check of the range, which a level of 0 passes if 0 is the least sample, although nothing is below.
     if suggested.is_some_and(|suggestion| suggestion.kind == "signed distance" && suggestion.level == level)
         && low >= 0.0
     {
@@ -264,6 +265,7 @@ fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<Message>) {
     let mut n = 0_u64;
     for z in 0..nz {
         for y in 0..ny {
+            // A row within the volume is on its border with the first and the last sample alone.
             let is_border = z == 0 || z + 1 == nz || y == 0 || y + 1 == ny;
             let step = if is_border { 1 } else { nx - 1 };
             n += (0..nx).step_by(step).filter(|x| is_inside(grid.sample([*x, y, z]))).count() as u64;
@@ -361,6 +363,7 @@ fn mesh_labels(
         let at = scene.parts.len();
         scene.parts.extend(label_scene.parts);
         scene.nodes.extend(label_scene.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
+        // Each label has one part and one node, so that the index of the one is that of the other.
         scene.roots.push(at);
         let is_worse = worst.as_ref().is_none_or(|worst| bound.at_most() > worst.at_most());
         worst = if is_worse { Some(bound) } else { worst };

@@ -48,6 +48,7 @@ pub(crate) fn simplified_isosurface(
 ) -> Result<MeshWithNote, Failure<Mesh>> {
     let length = budget.length_in(bounds).unwrap_or(0.0);
     let within = |length: Tolerance| Budget { length: Some(length), pixels: None, ..*budget };
+    // Compared as a pair: what the bound exceeds the length by comes first, and among equals fewer triangles.
     let excess = |mesh: &Bounded<Mesh>| {
         let excess = mesh.bound.at_most().map_or(f64::INFINITY, |most| greater(sub_up(most, length), 0.0));
         (excess, mesh.shape.faces().len())
@@ -62,6 +63,8 @@ pub(crate) fn simplified_isosurface(
         };
         let fine = match (polygonized(grid, rule, &cells, job), &best) {
             (Ok(fine), _) => fine,
+            // The finer cells of a smaller share may be more than the job allows: the mesh of the larger share
+            // stands.
             (Err(JobError::Refused(_)), Some(_)) => break,
             (Err(stopped), _) => return Err(stopped.into()),
         };
