@@ -37,7 +37,7 @@ pub(super) fn labels_of(
         return Err(refused("flat-volume", &lowest, message));
     };
     let format = first.file.format;
-    // Saturates; the size is checked below.
+    // The conversion saturates; the size is checked below.
     let n_slices = ((high - low) / step + 0.5).floor() as i64 + 1;
     let place = FileLocation::File;
     let largest = masks.iter().filter_map(|mask| mask.frame().segment).max().unwrap_or(0);
