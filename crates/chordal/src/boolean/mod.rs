@@ -9,8 +9,8 @@
 //!     Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 //! };
 //! let (a, b) = (tetrahedron(0.0)?, tetrahedron(0.25)?);
-//! let made = boolean(&a, &[BooleanStep { op: BooleanOp::Difference, mesh: &b }], &Job::default())?;
-//! let volume = check::findings::measure(&made.mesh).signed_volume;
+//! let combined = boolean(&a, &[BooleanStep { op: BooleanOp::Difference, mesh: &b }], &Job::default())?;
+//! let volume = check::findings::measure(&combined.mesh).signed_volume;
 //! assert!((volume - (1.0 - 0.75_f64.powi(3)) / 6.0).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -90,13 +90,13 @@ pub struct BooleanStep<'a> {
 /// overlap. [`BooleanMesh::method`] says which was used.
 ///
 /// **Bound.** With either method the result is checked. `at_most` bounds the distance of every triangle of
-/// the result from the triangle of an operand from which it was cut, rounding included. Away from the
-/// operands' triangles, by more than `at_most`, no side can change within a region. There the exact winding
-/// numbers of result and operands are compared at up to 2,048 points beside the triangles of both. The
-/// evidence is [`ProvedIf`](crate::Evidence::ProvedIf): every wrong region contains one of these points. The
-/// metric is [`Solid`](crate::budget::Metric::Solid): a point farther than `at_most` from the operands'
-/// triangles is on the right side. The bound is 0 if no vertex had to be rounded. If the check finds a point
-/// on the wrong side, the evidence is [`Estimated`](crate::Evidence::Estimated).
+/// the result from the triangle of an operand from which it was cut, rounding included. So in a connected
+/// region farther than `at_most` from the operands' triangles, all points are on one side. In such regions the
+/// exact winding numbers of result and operands are compared at up to 2,048 points beside the triangles of
+/// both. The evidence is [`ProvedIf`](crate::Evidence::ProvedIf): every wrong region contains one of these
+/// points. The metric is [`Solid`](crate::budget::Metric::Solid): a point farther than `at_most` from the
+/// operands' triangles is on the right side. The bound is 0 if no vertex had to be rounded. If the check finds
+/// a point on the wrong side, the evidence is [`Estimated`](crate::Evidence::Estimated).
 ///
 /// Only positions and faces are used: for attributes see [`BooleanMesh::with_attributes`].
 ///

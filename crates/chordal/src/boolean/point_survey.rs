@@ -146,22 +146,23 @@ mod tests {
         let triangles: Vec<[[f64; 3]; 3]> =
             (0..300).map(|_| [0, 1, 2].map(|_| [number(), number(), number()])).collect();
         let points: Vec<[f64; 3]> = (0..200).map(|_| [number(), number() + 0.125, number()]).collect();
-        for off in [0.0, 0.01, 0.25] {
-            let found = PointSurvey::new(&points).windings(300, |face| triangles[face], off, &Job::default());
-            for (p, found) in points.iter().zip(found) {
-                let mut wanted = PointWinding::default();
+        for length in [0.0, 0.01, 0.25] {
+            let windings =
+                PointSurvey::new(&points).windings(300, |face| triangles[face], length, &Job::default());
+            for (p, winding) in points.iter().zip(windings) {
+                let mut expected = PointWinding::default();
                 for corners in &triangles {
                     match crossing(*p, *corners) {
                         RayCrossing::None => {}
-                        RayCrossing::FromBehind => wanted.number += 1,
-                        RayCrossing::FromFront => wanted.number -= 1,
-                        RayCrossing::On => wanted.is_near = true,
+                        RayCrossing::FromBehind => expected.number += 1,
+                        RayCrossing::FromFront => expected.number -= 1,
+                        RayCrossing::On => expected.is_near = true,
                     }
-                    wanted.is_near |= distance_to_triangle_down(*p, *corners, f64::INFINITY) <= off;
+                    expected.is_near |= distance_to_triangle_down(*p, *corners, f64::INFINITY) <= length;
                 }
-                assert_eq!(found.number, wanted.number, "{p:?}");
-                // A quick bound is enough where it is above the length, and the sharp one is, too.
-                assert_eq!(found.is_near, wanted.is_near, "{p:?} {off}");
+                assert_eq!(winding.number, expected.number, "{p:?}");
+                // The search may stop at a rougher bound only above the length, where the sharp one is as well.
+                assert_eq!(winding.is_near, expected.is_near, "{p:?} {length}");
             }
         }
         assert!(PointSurvey::new(&[]).windings(300, |face| triangles[face], 0.1, &Job::default()).is_empty());

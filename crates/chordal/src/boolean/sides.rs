@@ -22,9 +22,9 @@ const MOST_FACES: usize = 512;
 /// The distances beside a face at which a point is tried, in units of the least useful distance.
 const TRIES: [f64; 3] = [1.0, 32.0, 1.0 / 32.0];
 
-/// Compares winding numbers at points that are farther than `length` from all operands. There those of the
-/// result are constant as long as no triangle of an operand comes within `length`, since all of the result's
-/// triangles are within `length` of these.
+/// Compares winding numbers at points that are farther than `length` from the triangles of all operands. All
+/// triangles of the result are within `length` of these. So its winding number is constant in every connected
+/// region that stays farther than `length` from them, and one point stands for its region.
 pub(super) fn compare_sides(
     mesh: &Mesh,
     length: f64,
@@ -57,9 +57,9 @@ pub(super) fn compare_sides(
             // More than one turn is inside too: an operand may overlap itself.
             let mut inside = around.iter().map(|operand| operand[number].number > 0);
             let first = inside.next().unwrap_or(false);
-            let wanted = inside.zip(ops).fold(first, |sum, (is_inside, op)| op.holds(sum, is_inside));
+            let expected = inside.zip(ops).fold(first, |sum, (is_inside, op)| op.holds(sum, is_inside));
             // The boundary of a solid winds once around its points, and not at all around others.
-            if of_result[number].number != i32::from(wanted) {
+            if of_result[number].number != i32::from(expected) {
                 return Ok(SideVerdict::Wrong { at: points[number] });
             }
             n_points += 1;

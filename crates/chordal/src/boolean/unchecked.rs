@@ -8,8 +8,8 @@ use manifold_rust::types::{BooleanEngine, MeshGLP};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// [`boolean()`](super::boolean()) in floating point, without its checks: for surfaces that are cut many
-/// times and checked as a whole afterwards. With a length, vertices in flat faces and on their straight edges
-/// are removed as long as the surface stays within it.
+/// times and checked as a whole afterwards. With a `tolerance`, vertices in flat faces and on their straight
+/// edges are removed as long as the surface stays within it.
 ///
 /// The distance of the result from the combined solid has no bound; the result may cross itself by
 /// roundings, and more if an operand does. Its edges have two triangles each. Vertices are distinguished by
@@ -38,7 +38,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub fn boolean_unchecked(
     first: &Mesh,
     steps: &[BooleanStep],
-    flat: Option<Tolerance>,
+    tolerance: Option<Tolerance>,
     job: &Job,
 ) -> Result<Mesh, Failure<Mesh>> {
     let meshes: Vec<&Mesh> = std::iter::once(first).chain(steps.iter().map(|step| step.mesh)).collect();
@@ -47,10 +47,10 @@ pub fn boolean_unchecked(
     let work = || {
         let others = steps.iter().map(|step| imported(step.mesh)).zip(&ops);
         let solid = combine_in_order(imported(first)?, others, BooleanEngine::Exact, (job, &is_ended))?;
-        let Some(flat) = flat else { return Ok(exported(&solid)) };
-        let fewer = solid.as_original().simplify(flat.get());
-        check_status(&fewer)?;
-        Ok(exported(&fewer))
+        let Some(tolerance) = tolerance else { return Ok(exported(&solid)) };
+        let simplified = solid.as_original().simplify(tolerance.get());
+        check_status(&simplified)?;
+        Ok(exported(&simplified))
     };
     // In rare cases the engine panics on malformed input, which must not end the program.
     let cut = job.run(|| catch_unwind(AssertUnwindSafe(work)));

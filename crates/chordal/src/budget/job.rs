@@ -14,7 +14,7 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// How much work a proof may take that is tried after the result
+/// How much work may go into a proof that is tried once the result is there
 /// ([`ProvedOrMeasured`](super::RequiredEvidence)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProofEffort {
@@ -139,10 +139,10 @@ impl Job {
         self.finish.load(Ordering::Relaxed)
     }
 
-    /// The same job with a limit for a part of its work: it ends after about `most` evaluations at a point,
-    /// as proofs and the comparisons of [`check`](crate::check) count them, and returns the bound reached by
-    /// then, which holds. Evaluations also count towards the limit of this job; if that is used up or the job
-    /// is cancelled, the part ends too.
+    /// The same job with a limit for a part of its work: it ends after about `most` evaluations, one for each
+    /// point, as proofs and the comparisons of [`check`](crate::check) count them, and returns the bound
+    /// reached by then, which holds. Evaluations also count towards the limit of this job; if that is used up
+    /// or the job is cancelled, the part ends too.
     ///
     /// ```
     /// use chordal::Job;
@@ -155,8 +155,8 @@ impl Job {
         Self { work: Some(Arc::new(work)), ..self.clone() }
     }
 
-    /// Counts evaluations. Call it only when no other thread evaluates for the same part, since control flow
-    /// depends on it.
+    /// Counts evaluations. Call it only when no other thread evaluates for the same part: the work ends by this
+    /// count, which must not depend on the timing of threads.
     pub(crate) fn count_work(&self, n: u64) {
         with_ancestors(self.work.as_ref()).for_each(|work| {
             work.done.fetch_add(n, Ordering::Relaxed);

@@ -112,7 +112,7 @@ impl View {
     /// secant of the point between is at most `1+a` times that of the corner, and the far end is at least `D`
     /// less both lengths deep. So the second step is at most `q·(1+a)²/(1−ab)`, and the sum is at most
     /// `(p + q + 2pq/F)/(1 − ab)`. The formula is symmetric, so it also holds when the other end is visible.
-    /// An error that a near plane hides completely is shorter than the other step, and counts as that.
+    /// A step that a near plane hides completely is shorter than the other one, and is counted as just as long.
     #[must_use]
     pub fn pixels_of_two_steps(&self, first: f64, second: f64) -> Option<f64> {
         if second == 0.0 {
@@ -123,7 +123,7 @@ impl View {
             Self::Camera(Camera { projection, screen, near, .. }) => (projection, screen, *near),
         };
         // A step that the near plane hides has 0 pixels, but its far end may be seen after the
-        // other step: see the last sentence above.
+        // other step: see the last sentence of the doc above.
         let first = if near > 0.0 && first < second { second } else { first };
         if first == 0.0 {
             return Some(second);

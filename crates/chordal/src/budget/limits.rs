@@ -152,8 +152,8 @@ impl Budget {
         self.length.is_some() || self.pixels.is_some() || self.triangles.is_some()
     }
 
-    /// Refuses a budget that no mesh of a smooth surface can be built for: one without a limit, or with an
-    /// angle that is not in (0°, 180°].
+    /// Refuses a budget that no mesh of a smooth surface can be built for: one without a limit, with limits on
+    /// attributes, or with an angle that is not in (0°, 180°].
     pub(crate) fn check_for_surfaces(&self) -> Result<(), Refusal> {
         if !self.has_limit() {
             let message = "a budget needs a length, pixels at a view, or a number of triangles";

@@ -20,7 +20,7 @@ pub struct SurfaceEdges {
 }
 
 /// Sides without a neighbour meet with a gap if corresponding control points are within this share of the
-/// shortest side of either patch: as for open seams of meshes (defined there).
+/// shortest side of either patch. It is the share for open seams of meshes, and defined there.
 const NEAR: f64 = 1.0 / 1024.0;
 /// The most sides that are compared with one; if more are that near, they do not make one surface. Also keeps
 /// the time of malicious files linear. Defined here.
@@ -100,7 +100,7 @@ fn near_pairs(patches: &[Patch], alone: &[PatchSideId]) -> Vec<[PatchSideId; 2]>
                     best.set(Some((distance, j)));
                 }
                 n_seen.set(n_seen.get() + 1);
-                // Stops the search; what was found until then stays, and is mutual or not.
+                // True stops the search. The best side until then is kept; it counts if it is mutual.
                 n_seen.get() > MOST_NEAR
             });
             best.get().map(|(_, j)| j)

@@ -180,9 +180,9 @@ impl<const D: usize> Arc<D> {
         // centre to the arc's middle and v along the chord, both as long as half axes, all points
         // are cos·w + sin·v apart from the centre.
         let (sin, cos) = libm::sincos(form.half_rad * ((a - 0.5) + (b - 0.5)));
-        let over = 0.5 / libm::sin(form.half_rad);
+        let half_axis_per_chord = 0.5 / libm::sin(form.half_rad);
         let w = form.to_middle;
-        let v: [f64; D] = std::array::from_fn(|k| over * (self.ends[1][k] - self.ends[0][k]));
+        let v: [f64; D] = std::array::from_fn(|k| half_axis_per_chord * (self.ends[1][k] - self.ends[0][k]));
         ArcPart {
             half_rad: form.half_rad * (b - a),
             to_middle: std::array::from_fn(|k| cos * w[k] + sin * v[k]),
@@ -199,8 +199,8 @@ impl<const D: usize> Arc<D> {
     /// The second derivative at `t`.
     #[must_use]
     pub fn second_derivative(&self, t: f64) -> [f64; D] {
-        let inwards = self.part_about_middle(t, t).to_middle;
-        inwards.map(|x| -(self.sweep_rad * self.sweep_rad) * x)
+        let outwards = self.part_about_middle(t, t).to_middle;
+        outwards.map(|x| -(self.sweep_rad * self.sweep_rad) * x)
     }
 
     /// The same arc in reverse.

@@ -73,7 +73,7 @@ impl ExprGraph {
 /// The most exponentials in a sum whose logarithm becomes one term. Chosen: learned fields have some hundred.
 const MOST_EXPONENTIALS: usize = 1024;
 
-/// The key that equal terms share. A leaf equals only itself.
+/// The key that equal terms share. A leaf, by its address, equals only itself.
 #[derive(PartialEq, Eq, Hash)]
 enum TermKey {
     Const(u64),
@@ -246,7 +246,7 @@ impl GraphBuilder {
                 Term::Binary(Binary::Add, a, b) => open.extend([*b, *a]),
                 _ => return None,
             }
-            // A sum that contains itself many times could be endless.
+            // Shared operands can double the number of terms at each level of the sum.
             if logs.len() + open.len() > MOST_EXPONENTIALS {
                 return None;
             }

@@ -183,17 +183,17 @@ impl Binary {
             Self::Max if a > b => a,
             Self::Min | Self::Max => b,
             Self::SmoothMin => {
-                let near = 1.0 - (a - b).abs();
-                let near = greater(near, 0.0);
+                let h = 1.0 - (a - b).abs();
+                let h = greater(h, 0.0);
                 // Not `Self::Min.apply`: a function that calls itself is not inlined.
                 let low = lesser(a, b);
-                low - 0.25 * (near * near)
+                low - 0.25 * (h * h)
             }
             Self::RoundMin => {
-                let near = 1.0 - (a - b).abs();
-                let near = greater(near, 0.0);
+                let h = 1.0 - (a - b).abs();
+                let h = greater(h, 0.0);
                 let low = lesser(a, b);
-                low - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
+                low - h * h / (1.0 + h + (1.0 + h * (2.0 - h)).sqrt())
             }
             Self::LogSumExp => {
                 let (low, high) = if a < b { (a, b) } else { (b, a) };
@@ -237,16 +237,16 @@ impl Binary {
             Self::Max if a > b => a,
             Self::Min | Self::Max => b,
             Self::SmoothMin => {
-                let near = 1.0 - (a - b).abs();
-                let near = greater(near, 0.0);
+                let h = 1.0 - (a - b).abs();
+                let h = greater(h, 0.0);
                 let low = lesser(a, b);
-                low - 0.25 * (near * near)
+                low - 0.25 * (h * h)
             }
             Self::RoundMin => {
-                let near = 1.0 - (a - b).abs();
-                let near = greater(near, 0.0);
+                let h = 1.0 - (a - b).abs();
+                let h = greater(h, 0.0);
                 let low = lesser(a, b);
-                low - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
+                low - h * h / (1.0 + h + (1.0 + h * (2.0 - h)).sqrt())
             }
             Self::LogSumExp => {
                 let (low, high) = if a < b { (a, b) } else { (b, a) };

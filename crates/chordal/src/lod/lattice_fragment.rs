@@ -11,7 +11,7 @@
 //!    than one step.
 //!
 //! The surface stays closed where it was: in (2) an edge is cut by its ends alone, so all its triangles have the same
-//! point there; each of the other steps keeps, for every edge, as many triangles that run along it as back. Parts that
+//! point there; in (1) and (3), as many triangles run along an edge in one direction as in the other. Parts that
 //! share an edge cut it alike, since it lies in a plane between two boxes, and there these have the same planes.
 use super::surface_part::{LatticeBox, SurfacePart};
 use crate::budget::{JobError, Refusal, RefusalCode};
@@ -270,7 +270,7 @@ struct Placed {
 }
 
 impl Placed {
-    /// Drops the triangles that are segments or points. Each of these that no other triangle contains is
+    /// Drops the triangles that are segments or points. A segment or point that no other triangle contains is
     /// replaced by two triangles of opposite winding; returns whether there was one.
     fn drop_flat(&mut self) -> bool {
         let mut lost = Vec::new();

@@ -19,8 +19,8 @@ use crate::math::{Box3, lesser};
 /// The same surface with as few triangles as a budget allows.
 ///
 /// With a length or pixels, the result is within that of `mesh`, in both directions, and has few triangles
-/// for it. With a triangle count alone, it has at most that many, and about the error of a length that leaves
-/// so many: [`simplify_to_count`] with [`Effort::Best`]. With both, it is within the length, and
+/// for that length. With a triangle count alone, it has at most that many, and about the error that a length
+/// with this count would have: [`simplify_to_count`] with [`Effort::Best`]. With both, it is within the length, and
 /// [`Failure::Unmet`] if it has more triangles than the count.
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
@@ -73,9 +73,9 @@ use crate::math::{Box3, lesser};
 /// let cell = |i: u32| (0..20).flat_map(move |j| { let a = 21 * i + j; [[a, a + 21, a + 22], [a, a + 22, a + 1]] });
 /// let mesh = Mesh::new(positions, (0..20).flat_map(cell).collect())?;
 /// let budget = Budget::length(Tolerance::new(1e-6)?);
-/// let made = simplify(&mesh, &budget, Topology::Indices, &Job::default()).expect("reachable");
-/// assert!(made.shape.mesh.faces().len() <= 8);
-/// assert!(made.bound.at_most().unwrap() <= 1e-6);
+/// let simplified = simplify(&mesh, &budget, Topology::Indices, &Job::default()).expect("reachable");
+/// assert!(simplified.shape.mesh.faces().len() <= 8);
+/// assert!(simplified.bound.at_most().unwrap() <= 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -166,15 +166,15 @@ const ATTEMPTS: u32 = 14;
 /// The fraction of a length that collapses without a monitor may cost. Chosen: a larger one has to be undone
 /// more often, a smaller one saves less time.
 const SLIGHT: f64 = 0.25;
-/// From this attempt on, nothing changes any more where the previous one deviated too much. Chosen: a smaller
-/// number gives up triangles earlier.
+/// From this attempt on, the parts where the previous one deviated too much are frozen. Chosen: a smaller
+/// number gives up earlier on triangles that could still be saved.
 const LAST_LOOK: u32 = 8;
 
 /// As few triangles as fit within a length.
 pub(super) fn simplify_within(input: &SimplifyInput<'_>) -> Result<Bounded<SimplifiedMesh>, JobError> {
-    let mut progress = ProgressiveSimplifier::new(input)?;
-    let simplified = progress.simplify_within(&input.limit, input.job)?;
-    Ok(simplified.unwrap_or_else(|| progress.unchanged()))
+    let mut simplifier = ProgressiveSimplifier::new(input)?;
+    let simplified = simplifier.simplify_within(&input.limit, input.job)?;
+    Ok(simplified.unwrap_or_else(|| simplifier.unchanged()))
 }
 
 /// A mesh that is simplified step by step, within growing lengths. Each result is proved against the original
@@ -193,8 +193,8 @@ pub(super) struct ProgressiveSimplifier<'a> {
 
 impl<'a> ProgressiveSimplifier<'a> {
     pub fn new(input: &SimplifyInput<'a>) -> Result<Self, JobError> {
-        let SimplifyInput { mesh, topology, fixed_rows: stays, attributes, job, .. } = *input;
-        let mut proved = MeshReduction::from_region(mesh, topology, stays, &attributes);
+        let SimplifyInput { mesh, topology, fixed_rows, attributes, job, .. } = *input;
+        let mut proved = MeshReduction::from_region(mesh, topology, fixed_rows, &attributes);
         if !proved.is_empty() {
             proved.start_monitor(job)?;
             if attributes.is_set() {

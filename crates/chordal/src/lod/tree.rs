@@ -96,8 +96,8 @@ const MOST_STEPS: u32 = 48;
 /// point that is shown is near `finest`: any mixture is within the largest bound of its tiles. Errors
 /// decrease strictly from a tile to its children.
 ///
-/// *Cost.* One [`simplify`](super::simplify()) of the whole per step, parallel over regions: 14 steps for 10⁶
-/// triangles and 64 at the root.
+/// *Cost.* One [`simplify`](super::simplify()) of the whole per step, parallel over regions: 14 steps from
+/// 10⁶ triangles to 64 at the root.
 ///
 /// # Errors
 /// [`RefusalCode::Budget`] for a factor that is not larger than 1 and for tiles of no triangle;
@@ -115,11 +115,11 @@ const MOST_STEPS: u32 = 48;
 /// let cell = |i: u32, j: u32| { let a = 33 * i + j; [[a, a + 33, a + 34], [a, a + 34, a + 1]] };
 /// let roof = Mesh::new(positions, (0..32).flat_map(|i| (0..32).flat_map(move |j| cell(i, j))).collect())?;
 /// let roof = Bounded { shape: roof, bound: Bound::exact(Reference::InputTriangles) };
-/// let cuts = TilingOptions { max_triangles: 600, ..TilingOptions::from_step(Tolerance::new(0.1)?) };
-/// let made = tree(&roof, Topology::Indices, &cuts, &Job::default())?;
-/// let leaves = made.tiles.iter().filter(|tile| tile.children.is_empty());
+/// let tiling = TilingOptions { max_triangles: 600, ..TilingOptions::from_step(Tolerance::new(0.1)?) };
+/// let tile_tree = tree(&roof, Topology::Indices, &tiling, &Job::default())?;
+/// let leaves = tile_tree.tiles.iter().filter(|tile| tile.children.is_empty());
 /// assert_eq!(leaves.map(|tile| tile.mesh.faces().len()).sum::<usize>(), 2048);
-/// assert!(made.roots == [0] && made.tiles[0].mesh.faces().len() <= 64);
+/// assert!(tile_tree.roots == [0] && tile_tree.tiles[0].mesh.faces().len() <= 64);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn tree(
@@ -144,16 +144,11 @@ pub fn tree(
         return refuse(RefusalCode::Unsupported, needs_a_proof("tiles", &finest.bound));
     }
     job.run(|| {
-        let parts = RegionTree::new(&finest.shape, topology, tiling.max_triangles);
-        let mut growing = TileTreeBuilder::new(TileTreeInput {
-            regions: parts,
-            bound: &finest.bound,
-            topology,
-            tiling,
-            job,
-        })?;
-        growing.run()?;
-        Ok(growing.finish())
+        let regions = RegionTree::new(&finest.shape, topology, tiling.max_triangles);
+        let mut builder =
+            TileTreeBuilder::new(TileTreeInput { regions, bound: &finest.bound, topology, tiling, job })?;
+        builder.run()?;
+        Ok(builder.finish())
     })
 }
 
@@ -184,11 +179,11 @@ impl TileTreeInput<'_> {
         if !self.regions.has_surface(region) {
             return Ok(None);
         }
-        let (mesh, stays) = self.regions.mesh(region);
+        let (mesh, fixed_rows) = self.regions.mesh(region);
         let input = SimplifyInput {
             mesh: &mesh,
             topology: self.topology,
-            fixed_rows: &stays,
+            fixed_rows: &fixed_rows,
             limit: ErrorLimit::uniform(length.get()),
             attributes: self.tiling.attributes,
             job: self.job,
@@ -207,21 +202,21 @@ struct TileTreeBuilder<'a> {
 }
 
 impl<'a> TileTreeBuilder<'a> {
-    fn new(given: TileTreeInput<'a>) -> Result<Self, JobError> {
-        let regions = given.regions.regions.iter().enumerate();
+    fn new(input: TileTreeInput<'a>) -> Result<Self, JobError> {
+        let regions = input.regions.regions.iter().enumerate();
         let leaves: Vec<usize> =
             regions.filter(|(_, region)| region.halves.is_none()).map(|(at, _)| at).collect();
-        let meshes = par_map(given.job, &leaves, |_, region| given.regions.mesh(*region).0);
+        let meshes = par_map(input.job, &leaves, |_, region| input.regions.mesh(*region).0);
         let leaf = |mesh| {
-            let bound = given.bound.clone();
+            let bound = input.bound.clone();
             LodTile { mesh, bound, stats: ReductionStats::default(), depth: 0, children: Vec::new() }
         };
         let tiles = meshes.into_iter().map(leaf).collect();
-        let tops = leaves.into_iter().enumerate().map(|(tile, region)| (region, vec![tile])).collect();
-        if given.job.is_cancelled() {
+        let coarsest = leaves.into_iter().enumerate().map(|(tile, region)| (region, vec![tile])).collect();
+        if input.job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
-        Ok(Self { input: given, tiles, coarsest: tops })
+        Ok(Self { input, tiles, coarsest })
     }
 
     fn run(&mut self) -> Result<(), JobError> {
@@ -265,9 +260,9 @@ impl<'a> TileTreeBuilder<'a> {
         parents.dedup();
         let mut tried: Vec<usize> = self.coarsest.keys().copied().collect();
         // Merged regions are tried first: a half that is merged now needs no tile of its own.
-        for (parent, fewer) in parents.iter().zip(self.input.simplify_regions(&parents, length)?) {
+        for (parent, simplified) in parents.iter().zip(self.input.simplify_regions(&parents, length)?) {
             let Some(first) = self.input.regions.regions[*parent].halves else { continue };
-            let n = fewer.as_ref().map_or(usize::MAX, |fewer| fewer.shape.mesh.faces().len());
+            let n = simplified.as_ref().map_or(usize::MAX, |simplified| simplified.shape.mesh.faces().len());
             if n > most {
                 continue;
             }
@@ -278,14 +273,14 @@ impl<'a> TileTreeBuilder<'a> {
             self.coarsest.insert(*parent, below);
             tried.retain(|region| *region != first && *region != first + 1);
             // Otherwise the region stays merged, and longer lengths will simplify it.
-            if is_fewer && let Some(fewer) = fewer {
-                self.add_tile(*parent, fewer);
+            if is_fewer && let Some(simplified) = simplified {
+                self.add_tile(*parent, simplified);
             }
         }
-        for (region, fewer) in tried.iter().zip(self.input.simplify_regions(&tried, length)?) {
-            let Some(fewer) = fewer else { continue };
-            if fewer.shape.mesh.faces().len() as f64 <= WORTH_IT * self.count(*region) as f64 {
-                self.add_tile(*region, fewer);
+        for (region, simplified) in tried.iter().zip(self.input.simplify_regions(&tried, length)?) {
+            let Some(simplified) = simplified else { continue };
+            if simplified.shape.mesh.faces().len() as f64 <= WORTH_IT * self.count(*region) as f64 {
+                self.add_tile(*region, simplified);
             }
         }
         Ok(())
@@ -293,10 +288,10 @@ impl<'a> TileTreeBuilder<'a> {
 
     /// Adds a tile above those that show a region. Its error must be larger than theirs, so tiles whose error
     /// is not smaller are removed.
-    fn add_tile(&mut self, region: usize, fewer: Bounded<SimplifiedMesh>) {
-        let bound = self.input.bound.then(&fewer.bound);
+    fn add_tile(&mut self, region: usize, simplified: Bounded<SimplifiedMesh>) {
+        let bound = self.input.bound.then(&simplified.bound);
         let Some(error) = bound.at_most() else { return };
-        let is_same = fewer.bound.at_most() == Some(0.0);
+        let is_same = simplified.bound.at_most() == Some(0.0);
         let mut below = if is_same { Vec::new() } else { self.coarsest.remove(&region).unwrap_or_default() };
         // A leaf has the error of the finest mesh; the new tile's error is larger, or it would itself be a
         // leaf.
@@ -305,7 +300,7 @@ impl<'a> TileTreeBuilder<'a> {
             below.splice(at..=at, finer);
         }
         self.coarsest.insert(region, vec![self.tiles.len()]);
-        let SimplifiedMesh { mesh, stats, .. } = fewer.shape;
+        let SimplifiedMesh { mesh, stats, .. } = simplified.shape;
         self.tiles.push(LodTile { mesh, bound, stats, depth: 0, children: below });
     }
 

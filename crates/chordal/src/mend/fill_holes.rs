@@ -26,8 +26,8 @@ pub enum HoleSelection {
 /// parts. New faces have the attributes of the face at the first edge of their loop, and their corners have
 /// those of the vertices there; no row is changed.
 ///
-/// Not filled: loops with more edges than `holes` says; the outer boundary of a sheet that is exactly flat,
-/// since the new faces would lie on the sheet, and so that of a single triangle; loops on one line; chains of
+/// Not filled: loops with more edges than `holes` says; the outer boundary of a sheet that is exactly flat (as
+/// a single triangle is), since the new faces would lie on the sheet; loops on one line; chains of
 /// boundary edges that end at an edge with three faces or more, or meet faces of inconsistent winding
 /// ([`split_non_manifold`](super::split_non_manifold) and [`orient`](super::orient) repair these first).
 ///

@@ -57,17 +57,17 @@ pub fn orient(
     check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let twins = Twins::with_ids(mesh, ids.as_deref());
-    let mut sides = FaceFlips { flipped: vec![false; mesh.faces().len()], components: Vec::new() };
-    sides.make_consistent(&twins);
+    let mut flips = FaceFlips { flipped: vec![false; mesh.faces().len()], components: Vec::new() };
+    flips.make_consistent(&twins);
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    // Which side is outside is asked of the consistent mesh; the sides of the input may contradict
-    // each other.
-    let agreed = sides.agreed(mesh)?;
-    let components = MeshConnectivity::new(&agreed, topology).components_under(job)?;
-    let ShellTurns { wrong, at_odds } = ShellTurns::new(&components, nested);
-    sides.turn(&wrong, &twins);
+    // Which side is outside is determined on the consistent mesh: windings of the input may contradict each
+    // other.
+    let consistent = flips.consistent_mesh(mesh)?;
+    let components = MeshConnectivity::new(&consistent, topology).components_under(job)?;
+    let ShellTurns { turned_shells, at_odds } = ShellTurns::new(&components, nested);
+    flips.turn(&turned_shells, &twins);
     let mut shells = Finding::default();
     at_odds.into_iter().for_each(|face| shells.add(|| Witness::face(mesh, face)));
     let name = match nested {
@@ -75,11 +75,11 @@ pub fn orient(
         NestedShells::Cavity => "turned_nested_shells",
     };
     let mut unorientable = Finding::default();
-    for piece in sides.components.iter().filter(|piece| !piece.is_orientable) {
+    for piece in flips.components.iter().filter(|piece| !piece.is_orientable) {
         unorientable.add(|| Witness::face(mesh, piece.faces[0]));
     }
     let mut turned = Finding::default();
-    for (face, _) in (0..).zip(&sides.flipped).filter(|(_, turned)| **turned) {
+    for (face, _) in (0..).zip(&flips.flipped).filter(|(_, turned)| **turned) {
         turned.add(|| Witness::face(mesh, face));
     }
     let changes = [("left_unorientable", unorientable), (name, shells), ("turned_faces", turned)];
@@ -87,7 +87,7 @@ pub fn orient(
         return Ok(MendedMesh::exact(mesh.clone(), changes));
     }
     let mut draft = MendBuilder::without_faces(mesh);
-    for (face, &turned) in (0..).zip(&sides.flipped) {
+    for (face, &turned) in (0..).zip(&flips.flipped) {
         let mend_face = MendFace::from_mesh(mesh, face);
         draft.faces.push(if turned { mend_face.flipped() } else { mend_face });
     }
@@ -117,13 +117,13 @@ impl FaceFlips {
             }
             let piece = self.collect_component(start, twins, &mut visited);
             let n_turned = piece.faces.iter().filter(|&&face| self.flipped[face as usize]).count();
-            // A piece without any consistent orientation gets its own back. One of which most faces
-            // were turned is turned as a whole, so that the majority keeps its winding.
-            let all_back = !piece.is_orientable;
-            let other_side = 2 * n_turned > piece.faces.len();
-            for &face in piece.faces.iter().filter(|_| all_back || other_side) {
+            // A piece that cannot be made consistent gets its original winding back. If most faces of
+            // a piece were turned, the others are turned instead, so that the majority keeps its winding.
+            let is_restored = !piece.is_orientable;
+            let is_inverted = 2 * n_turned > piece.faces.len();
+            for &face in piece.faces.iter().filter(|_| is_restored || is_inverted) {
                 let turned = &mut self.flipped[face as usize];
-                *turned = !all_back && !*turned;
+                *turned = !is_restored && !*turned;
             }
             self.components.push(piece);
         }
@@ -144,8 +144,8 @@ impl FaceFlips {
                     Twin::Flipped(t) => (t / 3, !turned),
                     Twin::Boundary | Twin::NonManifold | Twin::Collapsed => continue,
                 };
-                // A face that is reached again must want the side that it has; on a Möbius strip
-                // one does not.
+                // A face that is reached again must be wound as it is already; on a Möbius strip one is
+                // not.
                 if !std::mem::replace(&mut visited[neighbour as usize], true) {
                     self.flipped[neighbour as usize] = wanted;
                     piece.faces.push(neighbour);
@@ -159,21 +159,21 @@ impl FaceFlips {
     }
 
     /// The mesh with its faces turned.
-    fn agreed(&self, mesh: &Mesh) -> Result<Mesh, JobError> {
+    fn consistent_mesh(&self, mesh: &Mesh) -> Result<Mesh, JobError> {
         let side =
             |(face, turned): (&[u32; 3], &bool)| if *turned { [face[0], face[2], face[1]] } else { *face };
         let faces = mesh.faces().iter().zip(&self.flipped).map(side).collect();
-        let mut agreed = Mesh::new(mesh.positions().to_vec(), faces);
+        let mut consistent = Mesh::new(mesh.positions().to_vec(), faces);
         if let Some(ids) = mesh.position_id() {
-            agreed = agreed.and_then(|agreed| agreed.with_position_id(ids.to_vec()));
+            consistent = consistent.and_then(|consistent| consistent.with_position_id(ids.to_vec()));
         }
         // The rows of a valid mesh, and the same number of faces, so this cannot fail.
-        agreed.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))
+        consistent.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))
     }
 
     /// Turns the components with these first faces, which are in the order of the components.
-    fn turn(&mut self, wrong: &[u32], twins: &Twins) {
-        if wrong.is_empty() {
+    fn turn(&mut self, turned_shells: &[u32], twins: &Twins) {
+        if turned_shells.is_empty() {
             return;
         }
         // A component of [`MeshConnectivity`] may contain several of these components, which meet at edges
@@ -189,34 +189,35 @@ impl FaceFlips {
             .for_each(|edge| edge.windows(2).for_each(|h| sets.union(h[0] / 3, h[1] / 3)));
         for (face, turned) in (0..).zip(&mut self.flipped) {
             // Components are listed in the order of their first faces.
-            *turned ^= wrong.binary_search(&sets.find(face)).is_ok();
+            *turned ^= turned_shells.binary_search(&sets.find(face)).is_ok();
         }
     }
 }
 
 /// The components to be turned, given by their first faces.
 struct ShellTurns {
-    wrong: Vec<u32>,
+    turned_shells: Vec<u32>,
     /// Nested components whose depth contradicts their winding.
     at_odds: Vec<u32>,
 }
 
 impl ShellTurns {
     fn new(components: &[Component], nested: NestedShells) -> Self {
-        let is_wrong = |component: &Component| component.facing == Facing::InsideOut;
-        let (mut wrong, mut at_odds) = (Vec::new(), Vec::new());
+        let is_inside_out = |component: &Component| component.facing == Facing::InsideOut;
+        let (mut turned_shells, mut at_odds) = (Vec::new(), Vec::new());
         for component in components.iter().filter(|component| component.depth.is_some()) {
             let enclosing = component.outermost.and_then(|number| components.get(number as usize));
-            // It turns together with the component around it.
-            let along = enclosing.map_or(component.depth == Some(0) && is_wrong(component), is_wrong);
-            let is_at_odds = component.depth != Some(0) && along != is_wrong(component);
+            // A nested component turns together with the outermost one around it.
+            let turns_with_outermost =
+                enclosing.map_or(component.depth == Some(0) && is_inside_out(component), is_inside_out);
+            let is_at_odds = component.depth != Some(0) && turns_with_outermost != is_inside_out(component);
             at_odds.extend(is_at_odds.then_some(component.first_face));
             let turns = match nested {
-                NestedShells::Keep => along,
-                NestedShells::Cavity => is_wrong(component),
+                NestedShells::Keep => turns_with_outermost,
+                NestedShells::Cavity => is_inside_out(component),
             };
-            wrong.extend(turns.then_some(component.first_face));
+            turned_shells.extend(turns.then_some(component.first_face));
         }
-        Self { wrong, at_odds }
+        Self { turned_shells, at_odds }
     }
 }

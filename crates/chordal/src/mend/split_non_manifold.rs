@@ -121,8 +121,7 @@ impl CornerFans<'_> {
         let non_manifold: Vec<&[u32]> = self.twins.non_manifold_edges().collect();
         let mut partners: Vec<Vec<[u32; 2]>> =
             non_manifold.iter().map(|edge| self.radial_pairs(edge)).collect();
-        // Ends, since each round but the last takes the partners of at least one edge away for
-        // good.
+        // This terminates: each round but the last separates the faces of at least one more edge for good.
         loop {
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);

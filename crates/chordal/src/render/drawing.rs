@@ -5,7 +5,6 @@ use super::color::{Backdrop, PremultipliedColor, srgb_to_linear};
 use super::field_picture::{FieldPicture, FieldRenderError, refusal};
 use super::options::{Background, RenderOptions, RenderStyle, Viewpoint};
 use super::picture::{ImageTile, assemble, each_tile};
-
 use crate::budget::{Camera, Job, Projection, Screen};
 use crate::implicit::query::{BeamCounts, contains, normals};
 use crate::implicit::{Field, LeafError, Tape};
@@ -17,7 +16,7 @@ const INK: [u8; 3] = [38, 48, 62];
 /// Pixels along the side of the first tiles, and of the last ones, which are evaluated pixel by pixel.
 const FIRST: u32 = 128;
 const LAST: u32 = 8;
-/// Sample points along the side of a pixel on the outline, for each ray along it in a picture in space.
+/// Sample points along the side of a pixel on the outline, for each of [`RenderOptions::samples`].
 const PARTS: u32 = 2;
 /// The fraction of the picture that the field's box fills, as usual for drawings.
 const FRAMED: f64 = 0.92;
@@ -35,21 +34,19 @@ pub(super) fn draw(
         Viewpoint::Automatic(screen) => top_view_camera(&field.bounds(), screen)?,
     };
     let eye = ray_generator(&camera, options, job)?;
-    let straight = matches!(camera.projection, Projection::Orthographic { .. });
-    // With parallel rays all directions are equal, so one ray tells.
-    let level = |at: [f64; 2]| {
-        let d = eye.ray(at).direction;
-        d[0] == 0.0 && d[1] == 0.0
-    };
-    if !straight || !level([0.0, 0.0]) {
+    let is_orthographic = matches!(camera.projection, Projection::Orthographic { .. });
+    // Parallel rays all have the direction of any one of them.
+    let direction = eye.ray([0.0, 0.0]).direction;
+    let is_vertical = direction[0] == 0.0 && direction[1] == 0.0;
+    if !is_orthographic || !is_vertical {
         let message = "a field in the plane is drawn from straight above: give an orthographic view along z";
         return Err(refusal(message.to_owned()));
     }
-    let sheet = DrawingRenderer { eye, options, backdrop: Backdrop::new(camera.screen.height_px) };
+    let renderer = DrawingRenderer { eye, options, backdrop: Backdrop::new(camera.screen.height_px) };
     let tiles = ImageTile::all(camera.screen, FIRST);
     let tape = Tape::new(field.sign());
     let (bytes, counts) =
-        each_tile(&tiles, job, |tile| sheet.tile(&tape, tile).map_err(FieldRenderError::from))?;
+        each_tile(&tiles, job, |tile| renderer.tile(&tape, tile).map_err(FieldRenderError::from))?;
     Ok(FieldPicture { picture: assemble(camera.screen, &tiles, &bytes), camera, counts })
 }
 
@@ -97,14 +94,14 @@ impl DrawingRenderer<'_> {
     fn tile(&self, tape: &Tape, tile: ImageTile) -> Result<(Vec<u8>, BeamCounts), LeafError> {
         let n = (tile.size[0] * tile.size[1]) as usize;
         let (mut cover, mut slopes) = (vec![0.0; n], vec![[0.0; 2]; n]);
-        let mut inked = TileCoverage {
+        let mut coverage = TileCoverage {
             cover: &mut cover,
             slopes: &mut slopes,
             first: tile,
             counts: BeamCounts { beams: n as u64, ..BeamCounts::default() },
         };
-        self.divide(tape, tile, &mut inked)?;
-        let counts = inked.counts;
+        self.divide(tape, tile, &mut coverage)?;
+        let counts = coverage.counts;
         let mut bytes = Vec::with_capacity(4 * n);
         for (k, [_, y]) in tile.pixels().enumerate() {
             bytes.extend(self.pixel(y, cover[k], slopes[k]));
@@ -120,15 +117,15 @@ impl DrawingRenderer<'_> {
         Box3::from_points(&corners.map(|at| self.point_at(at)))
     }
 
-    fn divide(&self, tape: &Tape, tile: ImageTile, inked: &mut TileCoverage) -> Result<(), LeafError> {
+    fn divide(&self, tape: &Tape, tile: ImageTile, coverage: &mut TileCoverage) -> Result<(), LeafError> {
         let bounds = self.bounds(tile);
         let (range, shorter) = tape.prune(&bounds)?;
         match certain_side(&range) {
             Some(false) => return Ok(()),
             // Normals are shown per pixel, so a tile of the inside cannot be filled with one value.
             Some(true) if self.options.show != RenderStyle::Normals => {
-                for_each_pixel(tile, inked.first, |k| inked.cover[k] = 1.0);
-                inked.counts.hits += u64::from(tile.size[0] * tile.size[1]);
+                for_each_pixel(tile, coverage.first, |k| coverage.cover[k] = 1.0);
+                coverage.counts.hits += u64::from(tile.size[0] * tile.size[1]);
                 return Ok(());
             }
             _ => {}
@@ -136,20 +133,20 @@ impl DrawingRenderer<'_> {
         // Below, the shorter expression is enough: it is equal on the whole tile.
         let tape = shorter.as_ref().unwrap_or(tape);
         if tile.size[0] <= LAST && tile.size[1] <= LAST {
-            return self.pixels(tape, tile, inked);
+            return self.pixels(tape, tile, coverage);
         }
         for part in quarters(tile) {
-            self.divide(tape, part, inked)?;
+            self.divide(tape, part, coverage)?;
         }
         Ok(())
     }
 
-    /// The last tiles: pixels that are on one side by their interval, and signs at several points of the
-    /// others.
+    /// Covers the pixels of a last tile: by an interval if that puts the pixel on one side, else by the signs at
+    /// several of its points.
     ///
     /// A ramp from value and gradient would be cheaper. But if two parts of a drawing touch, the value is
     /// 0 between them, and such a ramp shows seams.
-    fn pixels(&self, tape: &Tape, tile: ImageTile, inked: &mut TileCoverage) -> Result<(), LeafError> {
+    fn pixels(&self, tape: &Tape, tile: ImageTile, coverage: &mut TileCoverage) -> Result<(), LeafError> {
         let pixels: Vec<[u32; 2]> = tile.pixels().collect();
         let boxes: Vec<Box3> =
             pixels.iter().map(|at| self.bounds(ImageTile { at: *at, size: [1, 1] })).collect();
@@ -158,13 +155,13 @@ impl DrawingRenderer<'_> {
         let side = (PARTS * self.options.samples) as usize;
         let part = |i: usize| (i as f64 + 0.5) / side as f64;
         let mut index = Vec::with_capacity(pixels.len());
-        for_each_pixel(tile, inked.first, |k| index.push(k));
+        for_each_pixel(tile, coverage.first, |k| index.push(k));
         let (mut open, mut points) = (Vec::new(), Vec::new());
         for (i, [x, y]) in pixels.iter().enumerate() {
             match certain_side(&ranges[i]) {
-                Some(inside) => inked.cover[index[i]] = f64::from(u8::from(inside)),
+                Some(inside) => coverage.cover[index[i]] = f64::from(u8::from(inside)),
                 None => {
-                    inked.counts.uncertain += u64::from(ranges[i].is_entire());
+                    coverage.counts.uncertain += u64::from(ranges[i].is_entire());
                     open.push(index[i]);
                     let offsets = (0..side * side).map(|k| [part(k % side), part(k / side)]);
                     points
@@ -174,16 +171,16 @@ impl DrawingRenderer<'_> {
         }
         for (k, inside) in open.into_iter().zip(contains(tape, &points)?.chunks_exact(side * side)) {
             let n = inside.iter().filter(|inside| **inside).count();
-            inked.cover[k] = n as f64 / inside.len() as f64;
+            coverage.cover[k] = n as f64 / inside.len() as f64;
         }
-        inked.counts.hits += index.iter().filter(|k| inked.cover[**k] > 0.0).count() as u64;
+        coverage.counts.hits += index.iter().filter(|k| coverage.cover[**k] > 0.0).count() as u64;
         if self.options.show == RenderStyle::Normals {
             let middles: Vec<[f64; 3]> = pixels
                 .iter()
                 .map(|[x, y]| self.point_at([f64::from(*x) + 0.5, f64::from(*y) + 0.5]))
                 .collect();
             for (k, normal) in index.into_iter().zip(normals(tape, &middles)?) {
-                inked.slopes[k] = normal.map_or([0.0; 2], |n| [n[0], n[1]]);
+                coverage.slopes[k] = normal.map_or([0.0; 2], |n| [n[0], n[1]]);
             }
         }
         Ok(())

@@ -17,8 +17,7 @@ pub(super) struct RenderMesh<'a> {
     normals: ShadingNormals<'a>,
     sides: HitSides,
     lines: LineDepths,
-    /// The height above the surface at which secondary rays start: a millionth of its extent, far above the
-    /// rounding of hits (10⁻¹⁵ of it) and far below a pixel.
+    /// The height above the surface at which secondary rays start.
     ray_offset: f64,
 }
 
@@ -36,16 +35,15 @@ impl<'a> RenderMesh<'a> {
                 ShadingNormals::from_mesh(mesh, job)
             }
         };
-        // Rays start this far off a surface: above the rounding of hits, below what a picture of 10^5 pixels
-        // shows.
-        let lift = 1e-6 * bvh.bounds().diagonal();
+        // Chosen: a millionth of the extent is far above the rounding of hits (10⁻¹⁵ of it), and far below a pixel.
+        let ray_offset = 1e-6 * bvh.bounds().diagonal();
         let sides = match options.cull {
             CullMode::None => HitSides::Both,
             CullMode::Back => HitSides::Front,
             CullMode::Front => HitSides::Back,
         };
         let lines = LineDepths::new(mesh, eye, screen, job);
-        Ok(Self { mesh, bvh, normals, sides, lines, ray_offset: lift })
+        Ok(Self { mesh, bvh, normals, sides, lines, ray_offset })
     }
 
     pub fn bvh(&self) -> &Bvh {

@@ -18,14 +18,14 @@ impl SubtriangleProjection {
         let x = direction(difference(b, a))?;
         let normal = direction(cross(x, difference(c, a)))?;
         let axes = [x, cross(normal, x)];
-        let mut view = Self { origin: a, axes, piece: [[0.0; 2]; 3] };
-        let [a, b, c] = [a, b, c].map(|p| view.project(p));
+        let mut projection = Self { origin: a, axes, piece: [[0.0; 2]; 3] };
+        let [a, b, c] = [a, b, c].map(|p| projection.project(p));
         match orient2d(a, b, c) {
-            Orientation::Front => view.piece = [a, b, c],
-            Orientation::Back => view.piece = [a, c, b],
+            Orientation::Front => projection.piece = [a, b, c],
+            Orientation::Back => projection.piece = [a, c, b],
             Orientation::Flat => return None,
         }
-        Some(view)
+        Some(projection)
     }
 
     /// The image of a point: it depends on the point alone.
@@ -48,21 +48,21 @@ impl SubtriangleProjection {
         sides.contains(&Orientation::Front) && sides.contains(&Orientation::Back)
     }
 
-    /// An upper bound on how deep a segment reaches into the piece: the least, over the sides of the piece,
-    /// of the distance of its ends inside that side. Two products and differences, whose rounding is less
-    /// than 4 ε of the largest possible value.
+    /// An upper bound on how deep a segment reaches into the piece. For each side of the piece the deeper end of
+    /// the segment counts, and of the three sides the one with the least depth. Two products and their
+    /// difference have a rounding of less than 4 ε of their largest possible value.
     pub fn depth(&self, segment: [[f64; 2]; 2]) -> f64 {
         let t = &self.piece;
         (0..3).fold(f64::INFINITY, |least, k| {
             let (a, e) = (t[k], difference(t[(k + 1) % 3], t[k]));
-            // Rounded up, as above.
-            let beyond = |p: [f64; 2]| {
+            // Rounded up, as above; positive inside the side.
+            let inward = |p: [f64; 2]| {
                 let [x, y] = difference(p, a);
                 (e[0] * y - e[1] * x) + 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs())
             };
-            let ends = greater(beyond(segment[0]), beyond(segment[1]));
+            let deeper = greater(inward(segment[0]), inward(segment[1]));
             // The length of the side has 4 roundings and is rounded down; the quotient has 2, and is rounded up.
-            let depth = ends / (length(e) * (1.0 - 4.0 * f64::EPSILON)) * (1.0 + f64::EPSILON);
+            let depth = deeper / (length(e) * (1.0 - 4.0 * f64::EPSILON)) * (1.0 + f64::EPSILON);
             let depth = greater(depth, f64::MIN_POSITIVE);
             lesser(depth, least)
         })
@@ -79,24 +79,25 @@ impl SubtriangleProjection {
         let t = &self.piece;
         // The centre of the inscribed circle is the mean of the corners, each weighted by the side across.
         let sides: [f64; 3] = std::array::from_fn(|k| distance(t[(k + 2) % 3], t[(k + 1) % 3]));
-        let around = sides[0] + sides[1] + sides[2];
-        let centre: [f64; 2] =
-            std::array::from_fn(|k| (sides[0] * t[0][k] + sides[1] * t[1][k] + sides[2] * t[2][k]) / around);
+        let perimeter = sides[0] + sides[1] + sides[2];
+        let centre: [f64; 2] = std::array::from_fn(|k| {
+            (sides[0] * t[0][k] + sides[1] * t[1][k] + sides[2] * t[2][k]) / perimeter
+        });
         // The radius, rounded down: the distance of the rounded centre to each side is at least this, and the
         // true centre, which is the farthest from the sides of all points, is at least as deep.
         let radius = (0..3).fold(f64::INFINITY, |least, k| {
             let (a, e) = (t[k], difference(t[(k + 1) % 3], t[k]));
             let [x, y] = difference(centre, a);
-            let s =
+            let inward =
                 (e[0] * y - e[1] * x) - 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs());
-            let deep = s / (length(e) * (1.0 + 4.0 * f64::EPSILON)) * (1.0 - f64::EPSILON);
-            lesser(deep, least)
+            let depth = inward / (length(e) * (1.0 + 4.0 * f64::EPSILON)) * (1.0 - f64::EPSILON);
+            lesser(depth, least)
         });
         // The centre itself must be inside of the shrunk piece.
         if radius.is_nan() || radius <= trim {
             return None;
         }
-        // On the border of an image counts: the neighbour across covers the points beside it.
+        // A centre on the border of an image is covered: the neighbour across covers the points beside it.
         let covered = images.any(|image| {
             let orientation = orient2d(image[0], image[1], image[2]);
             orientation != Orientation::Flat

@@ -108,17 +108,17 @@ impl FaceSamples {
         let boxes: Vec<Box3> = faces.map(|face| inflated(&mesh.corners(face), band(face))).collect();
         let trees: Vec<Option<u32>> =
             regions.trees_of(evaluator, &boxes)?.into_iter().map(Result::ok).collect();
-        let mut questions = Vec::new();
+        let mut queries = Vec::new();
         let mut starts = Vec::with_capacity(trees.len());
         for (index, tree) in trees.iter().enumerate() {
-            starts.push(questions.len());
+            starts.push(queries.len());
             let Some(tree) = tree else { continue };
             let corners = mesh.corners(first + index);
             for p in &regions.trees.get(*tree).primitives {
-                questions.extend(SAMPLES.map(|weights| (*p, mixed(&corners, &weights))));
+                queries.extend(SAMPLES.map(|weights| (*p, weighted_mean(&corners, &weights))));
             }
         }
-        let slopes = evaluator.duals(&questions)?;
+        let slopes = evaluator.duals(&queries)?;
         Ok(Self { first, trees, slopes, starts })
     }
 
@@ -156,8 +156,8 @@ pub(super) fn deviations(
                 continue;
             };
             let value = |p: u32, sample: usize| distance(&slopes[local.index_of(p) * SAMPLES.len() + sample]);
-            let far = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
-            deviations.push(far.fold(0.0, |most: f64, far| greater(far, most)));
+            let distances = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
+            deviations.push(distances.fold(0.0, |most: f64, distance| greater(distance, most)));
         }
     }
     Ok(deviations)
@@ -201,7 +201,7 @@ pub(super) fn face_constraints(
                 DisplacementNormals::VertexAndFace => [vertex_normal, normal(&mesh.corners(face))],
             };
             for (side, face_constraints) in constraints_by_side.iter_mut().enumerate() {
-                // Being inside is being outside of the complement.
+                // To be inside is to be outside the complement.
                 let outward = directions.map(|d| if side == 1 { d.map(|x| -x) } else { d });
                 let of_face =
                     FaceDistances { local, slopes, distances: &distances, outward, band: band(face) };
@@ -218,15 +218,17 @@ pub(super) fn face_constraints(
     Ok(constraints_by_side)
 }
 
+/// The approximate distance of a sample from a primitive, with the sign of its value.
 fn distance(slope: &Dual<f64>) -> f64 {
-    let far = slope.value / length(slope.gradient);
-    if far.is_finite() { far } else { f64::INFINITY.copysign(slope.value) }
+    let distance = slope.value / length(slope.gradient);
+    if distance.is_finite() { distance } else { f64::INFINITY.copysign(slope.value) }
 }
 
 /// A primitive that has to be raised, or lowered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct RaisedLiteral {
-    place: u32,
+    /// The index of the primitive in the local tree.
+    index: u32,
     is_complement: bool,
     /// A bit mask of the samples.
     samples: u16,
@@ -247,8 +249,8 @@ const ACROSS: f64 = 0.3;
 const DETOUR: f64 = 0.25;
 
 impl NodeSamples {
-    /// The least value except at the corners, at which several primitives may be equal and most are unrelated
-    /// to the face.
+    /// The least value except at the corners: there several primitives may be equal, most of which have nothing
+    /// to do with the face.
     fn least(&self) -> f64 {
         self.values[3..].iter().fold(f64::INFINITY, |a, b| lesser(*b, a))
     }
@@ -312,11 +314,12 @@ struct FaceDistances<'a> {
 
 impl FaceDistances<'_> {
     /// The literals that have to be on a side for the whole face. Being inside means that the complement is
-    /// outside, so `inward` flips all signs, and swaps unions and intersections. Of an intersection that has
-    /// to be outside it is the operand with the least deficit.
+    /// outside, so `inward` flips all signs, and swaps unions and intersections. To put an intersection
+    /// outside, the operand with the least deficit is raised.
     ///
-    /// At a face that two solids share, each of them would require it to stay on one side. If the
-    /// required side is reached in all cases of such a primitive, it is unconstrained ([`LocalTree`]).
+    /// Where two solids share a face, each of them alone would keep the face on one side of the shared
+    /// primitive. If the face is on the required side in all cases of that primitive, the primitive puts no
+    /// constraint on it ([`LocalTree`]).
     fn raised_literals(&self, inward: bool) -> Vec<RaisedLiteral> {
         let mixed: Vec<u32> = self.local.mixed().filter(|p| self.is_near(*p)).collect();
         let plain = self.of_tree(|p, is_complement| self.literal(p, is_complement), inward);
@@ -342,7 +345,7 @@ impl FaceDistances<'_> {
         let mut literals = required.literals;
         literals.sort_unstable();
         literals.dedup_by(|next, kept| {
-            let is_same = next.place == kept.place && next.is_complement == kept.is_complement;
+            let is_same = next.index == kept.index && next.is_complement == kept.is_complement;
             kept.samples |= if is_same { next.samples } else { 0 };
             is_same
         });
@@ -397,7 +400,7 @@ impl FaceDistances<'_> {
             let cosine = along / (length(gradient) * length(*outward));
             cosine.is_nan() || cosine < ACROSS
         });
-        let literals = vec![RaisedLiteral { place: index as u32, is_complement, samples }];
+        let literals = vec![RaisedLiteral { index: index as u32, is_complement, samples }];
         NodeSamples { values, literals, is_across }
     }
 }
@@ -431,15 +434,15 @@ fn face_constraint(
     literal: &RaisedLiteral,
     max_displacement: &MaxDisplacement,
 ) -> Option<FaceConstraint> {
-    let first = literal.place as usize * SAMPLES.len();
+    let first = literal.index as usize * SAMPLES.len();
     let sign = if literal.is_complement { -1.0 } else { 1.0 };
     let heights: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
     // Values at the corners, but gradients beside them.
     let beside: [[f64; 3]; 3] = std::array::from_fn(|k| slopes[first + 3 + k].gradient);
     // A corner farther away than its largest possible displacement counts as that far.
     let at_corners: [f64; 3] = std::array::from_fn(|k| {
-        let far = sign * slopes[first + k].value / length(beside[k]);
-        lesser(max_displacement.now, far)
+        let height = sign * slopes[first + k].value / length(beside[k]);
+        lesser(max_displacement.now, height)
     });
     // The plane through the values at the corners may be above those at the samples. All of it has
     // to be raised by as much, since displacements are linear.
@@ -448,11 +451,12 @@ fn face_constraint(
         let below = dot(at_corners, *weights) - heights[k];
         bulge = greater(below, bulge);
     }
-    let deficits = at_corners.map(|far| bulge - far);
+    let deficits = at_corners.map(|height| bulge - height);
     let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
     let is_finite = deficits.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
-    let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / max_displacement.now } else { 1.0 });
-    let is_on = heights.iter().all(|far| far.abs() <= max_displacement.at_first);
+    let shares =
+        at_corners.map(|height| if height > 0.0 { 1.0 - height / max_displacement.now } else { 1.0 });
+    let is_on = heights.iter().all(|height| height.abs() <= max_displacement.at_first);
     is_finite.then_some(FaceConstraint { directions, deficits, shares, is_on })
 }
 
@@ -466,7 +470,7 @@ fn inflated(corners: &[[f64; 3]; 3], margin: f64) -> Box3 {
     Box3 { min: bare.min.map(|x| x - margin), max: bare.max.map(|x| x + margin) }
 }
 
-fn mixed(corners: &[[f64; 3]; 3], weights: &[f64; 3]) -> [f64; 3] {
+fn weighted_mean(corners: &[[f64; 3]; 3], weights: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (0..3).fold(0.0, |sum, i| sum + weights[i] * corners[i][k]))
 }
 

@@ -11,10 +11,11 @@ use crate::explicit::Bvh;
 use crate::implicit::Csg;
 use crate::math::{greater, sub_down};
 
-/// First margins of a sandwich, as shares of what samples require: with a limit, since a looser proof is
-/// quicker; and without, each smaller than the previous one, until the goal is reached. Measured on a ball
-/// and a torus within a limit: 29 and 68 ranges a face with 1, 42 and 109 with a half, 63 and 182 with a
-/// quarter; the second one with a limit is the one with which meshes are built.
+/// The margins of a sandwich in the order in which they are tried, as shares of what samples require. With a
+/// limit a wide margin comes first, since a looser proof is quicker; the second one is that with which meshes
+/// are built. Without a limit each is smaller than the previous one, until the goal is reached. Measured on a
+/// ball and a torus within a limit, in ranges a face: 29 and 68 with a margin of 1, 42 and 109 with a half, 63
+/// and 182 with a quarter.
 const WITH_LIMIT: [f64; 2] = [1.0, 0.5];
 const WITHOUT: [f64; 3] = [0.25, 1.0 / 16.0, 1.0 / 64.0];
 /// The number of worst faces at which lower bounds are searched: a few with a limit that holds, since no
@@ -121,8 +122,8 @@ fn lower_bounds(
     for witness in
         project_to_surface(&search.tape, &starts, &sizes).map_err(leaf_failure)?.into_iter().flatten()
     {
-        let Some(far) = bvh.closest_distance_down(witness.at) else { continue };
-        let least = sub_down(far, witness.radius);
+        let Some(distance) = bvh.closest_distance_down(witness.at) else { continue };
+        let least = sub_down(distance, witness.radius);
         if least > lower.backward {
             (lower.backward, lower.from_field) = (least, witness.at);
         }

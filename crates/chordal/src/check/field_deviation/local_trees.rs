@@ -46,8 +46,8 @@ impl LiteralSides {
         if *low > 0.0 || *high < 0.0 { Self::from_range(range) } else { Self::UNKNOWN }
     }
 
-    pub fn membership_of(&self, falls: bool) -> Membership {
-        if falls { self.complement } else { self.plain }
+    pub fn membership_of(&self, is_complement: bool) -> Membership {
+        if is_complement { self.complement } else { self.plain }
     }
 
     /// Whether one of the sides is unknown.
@@ -149,7 +149,9 @@ impl LocalTree {
     pub fn literals(&self) -> impl Iterator<Item = (u32, bool)> + use<'_> {
         let occurrences = self.primitives.iter().zip(&self.kinds);
         occurrences.flat_map(|(p, kinds)| {
-            [(*p, false), (*p, true)].into_iter().filter(move |(_, falls)| kinds >> u8::from(*falls) & 1 == 1)
+            [(*p, false), (*p, true)]
+                .into_iter()
+                .filter(move |(_, is_complement)| kinds >> u8::from(*is_complement) & 1 == 1)
         })
     }
 
@@ -216,7 +218,7 @@ impl LocalTree {
 
     /// The side of a set, without closing cracks.
     pub fn membership_without_cracks(&self, sides: &[LiteralSides]) -> Membership {
-        self.tree.membership(|p, falls| sides[self.index_of(p)].membership_of(falls))
+        self.tree.membership(|p, is_complement| sides[self.index_of(p)].membership_of(is_complement))
     }
 }
 
@@ -293,7 +295,7 @@ impl LocalTrees {
             return Ok(number);
         }
         let local = self.get(number);
-        match local.tree.restrict(|p, falls| sides[local.index_of(p)].membership_of(falls)) {
+        match local.tree.restrict(|p, is_complement| sides[local.index_of(p)].membership_of(is_complement)) {
             CsgRestriction::Decided(side) => Err(side),
             CsgRestriction::Open(tree) => Ok(self.push(tree)),
         }

@@ -196,8 +196,8 @@ impl MarchingPlan {
         parts
     }
 
-    /// Visits the signs and indices of all cells that the surface passes, slab by slab, with the slab's
-    /// number, on the job's threads.
+    /// Calls `work` for each slab on the job's threads, with the slab's number and a function that visits the
+    /// cells of the slab that the surface passes, by their index and the signs of their corners.
     pub(crate) fn for_each_slab<R: Send>(
         &self,
         job: &Job,
@@ -224,7 +224,7 @@ pub(crate) fn march<P: Coordinate, S: SampleSource>(
     job: &Job,
 ) -> Result<Isosurface<P>, JobError> {
     let plan = MarchingPlan::new(source, rule, job)?;
-    let place = LatticeTransform::new(affine, rule.offset);
+    let transform = LatticeTransform::new(affine, rule.offset);
     let mut positions = vec![[P::default(); 3]; plan.vertices];
     let mut faces = vec![[0; 3]; plan.triangles];
     let cells = if affine.orientation() > 0 { &TABLE.upright } else { &TABLE.mirrored };
@@ -242,7 +242,7 @@ pub(crate) fn march<P: Coordinate, S: SampleSource>(
             let written = SlabOutput { positions, faces };
             simd::dispatch(
                 simd::isa(),
-                WriteKernel { source, plan: &plan, slab, place, rule, cells, written },
+                WriteKernel { source, plan: &plan, slab, transform, rule, cells, written },
             );
         }
     });
@@ -304,7 +304,7 @@ struct WriteKernel<'a, P, S> {
     source: &'a S,
     plan: &'a MarchingPlan,
     slab: &'a LatticeSlab,
-    place: LatticeTransform,
+    transform: LatticeTransform,
     rule: &'a Polygonize,
     cells: &'a [CubeCase; 256],
     written: SlabOutput<'a, P>,
@@ -315,11 +315,11 @@ impl<P: Coordinate, S: SampleSource> Kernel for WriteKernel<'_, P, S> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { source, plan, slab, place, rule, cells, written } = self;
+        let Self { source, plan, slab, transform, rule, cells, written } = self;
         write_faces(plan, slab, cells, written.faces);
         let mut out = written.positions.iter_mut();
         for_each_in_slab(&plan.bits, slab.planes, |kind, index| {
-            let at = vertex_at(source, rule, &place, kind, index);
+            let at = vertex_at(source, rule, &transform, kind, index);
             if let Some(out) = out.next() {
                 *out = at.map(P::from_f64);
             }
@@ -332,16 +332,16 @@ impl<P: Coordinate, S: SampleSource> Kernel for WriteKernel<'_, P, S> {
 pub(super) fn vertex_at<S: SampleSource + ?Sized>(
     source: &S,
     rule: &Polygonize,
-    place: &LatticeTransform,
+    transform: &LatticeTransform,
     kind: usize,
     [i, j, k]: [usize; 3],
 ) -> [f64; 3] {
-    let mut at = [place.global(0, i), place.global(1, j), place.global(2, k)];
+    let mut at = [transform.global(0, i), transform.global(1, j), transform.global(2, k)];
     if kind < 3 {
         let ahead = [i + usize::from(kind == 0), j + usize::from(kind == 1), k + usize::from(kind == 2)];
         at[kind] += rule.crossing(source.at([i, j, k]), source.at(ahead));
     }
-    place.at(at)
+    transform.at(at)
 }
 
 /// Visits the vertices of some planes of samples, in their order.
@@ -362,8 +362,9 @@ fn for_each_in_slab(bits: &SignBits, planes: [usize; 2], mut each: impl FnMut(us
     }
 }
 
-/// Writes the triangles of a slab. Along a row of cells, the vertices of each cell edge come in order, so one
-/// counter for each of the 12 edges numbers them: cells that the row leaves out have nothing to count.
+/// Writes the triangles of a slab. Along a row of cells, the vertices on each cell edge come in order, so one
+/// counter for each of the 12 edges numbers them. Cells that the surface does not pass are not in `cases`, and
+/// have no vertices to count.
 #[inline(always)]
 fn write_faces(plan: &MarchingPlan, slab: &LatticeSlab, cells: &[CubeCase; 256], faces: &mut [[u32; 3]]) {
     let [_, ny, _] = plan.bits.size;
@@ -374,8 +375,8 @@ fn write_faces(plan: &MarchingPlan, slab: &LatticeSlab, cells: &[CubeCase; 256],
             continue;
         }
         let (j, k) = (row % (ny - 1), slab.planes[0] + row / (ny - 1));
-        let of = |j: usize, k: usize| plan.starts[j + ny * k];
-        let [a, b, c, d] = [of(j, k), of(j + 1, k), of(j, k + 1), of(j + 1, k + 1)];
+        let starts = |j: usize, k: usize| plan.starts[j + ny * k];
+        let [a, b, c, d] = [starts(j, k), starts(j + 1, k), starts(j, k + 1), starts(j + 1, k + 1)];
         // The edges at x and at x + 1 are in the same row of samples: `ahead` keeps their numbers apart.
         let mut next = [a[0], b[0], c[0], d[0], a[1], a[1], c[1], c[1], a[2], a[2], b[2], b[2]];
         for signs in cases.by_ref().take(*count as usize) {

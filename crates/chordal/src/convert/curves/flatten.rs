@@ -231,10 +231,10 @@ impl<'a, const D: usize> Flattener<'a, D> {
             self.parts.iter().map(|part| self.chord_tolerance(part, allowance)).collect::<Result<_, _>>()?;
         // If there would be far more chords than allowed, or than fit into memory, they are not placed at all.
         let in_memory = self.job.memory_limit as f64 / BYTES_PER_POINT;
-        let far_more = 64.0 * most as f64 + 64.0;
-        let far_more = lesser(far_more, in_memory);
-        let few = |length: f64, part: &PathPiece<'_, D>| part.chords.even_steps(length) <= far_more;
-        if most < u64::MAX && !self.parts.iter().zip(&lengths).all(|(part, length)| few(*length, part)) {
+        let most_steps = 64.0 * most as f64 + 64.0;
+        let most_steps = lesser(most_steps, in_memory);
+        let is_near = |length: f64, part: &PathPiece<'_, D>| part.chords.even_steps(length) <= most_steps;
+        if most < u64::MAX && !self.parts.iter().zip(&lengths).all(|(part, length)| is_near(*length, part)) {
             return Ok(None);
         }
         let cuts = par_map(self.job, &self.parts, |index, part| {
@@ -336,10 +336,10 @@ impl<'a, const D: usize> Flattener<'a, D> {
         for (curve, polyline) in self.curves.iter().zip(polylines) {
             if index < first + curve.segments().len() {
                 let point = curve.segments()[index - first].at(cut.worst);
-                let far = crate::check::distance_to_polyline(point, polyline);
-                let lost = mul_up(2.0, self.parts[index].rounding_error);
-                // the square root's and the sums' rounding is below 4 ε
-                let at_least = sub_down(far * (1.0 - 1e-15), lost);
+                let distance = crate::check::distance_to_polyline(point, polyline);
+                let error = mul_up(2.0, self.parts[index].rounding_error);
+                // The rounding of the square root and of the sums is below 4 ε.
+                let at_least = sub_down(distance * (1.0 - 1e-15), error);
                 return (greater(at_least, 0.0), Some(to_3d(point)));
             }
             first += curve.segments().len();

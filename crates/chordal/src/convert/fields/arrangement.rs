@@ -192,7 +192,7 @@ impl LinearCell<'_> {
             (None, true) => Membership::Inside,
             (None, false) => Membership::Outside,
         };
-        match self.tree.restrict(|p, falls| side(p).complement_if(falls)) {
+        match self.tree.restrict(|p, is_complement| side(p).complement_if(is_complement)) {
             CsgRestriction::Decided(_) => None,
             CsgRestriction::Open(tree) => Some(MembershipTable::Tree(tree, RefCell::default())),
         }

@@ -51,7 +51,9 @@ impl PrunedTree {
         let mixed = self.primitives.iter().zip(&self.polarity).filter(|(_, polarity)| is_mixed(polarity));
         mixed.map(|(p, _)| *p).any(|p| {
             let with = |side: Membership| {
-                let of = |q, falls| if q == p { side.complement_if(falls) } else { Membership::Unknown };
+                let of = |q, is_complement| {
+                    if q == p { side.complement_if(is_complement) } else { Membership::Unknown }
+                };
                 self.tree.restrict(of)
             };
             match (with(Membership::Inside), with(Membership::Outside)) {
@@ -159,7 +161,8 @@ pub(super) fn prune(pruned: &Arc<PrunedTree>, sides: &[Membership]) -> Option<Ar
     if pruned.primitives.len() == 1 {
         return None;
     }
-    match pruned.tree.restrict(|p, falls| sides[index_of(&pruned.primitives, p)].complement_if(falls)) {
+    let side = |p, is_complement| sides[index_of(&pruned.primitives, p)].complement_if(is_complement);
+    match pruned.tree.restrict(side) {
         CsgRestriction::Decided(_) => None,
         CsgRestriction::Open(tree) => {
             Some(Arc::new(PrunedTree::new(tree))).filter(|rest| !rest.is_cancelled())

@@ -215,16 +215,16 @@ impl SignLattice {
                 }
             }
         }
-        // 2. The samples of these blocks by their ranges at points, which include rounding.
+        // 2. The samples of the blocks that are still open, by ranges at points, which include rounding.
         let (mut blocks, mut rows, mut points) = (0_u64, Vec::new(), Vec::new());
         for at in &open {
             blocks |= 1 << block_of(*at);
             each_in(*at, 2, |inner| {
                 let index = [inner % BRICK, inner / BRICK % BRICK, inner / (BRICK * BRICK)];
-                let place: [usize; 3] = std::array::from_fn(|k| first[k] + index[k]);
-                if (0..3).all(|k| place[k] < self.lattice.size[k]) {
+                let sample: [usize; 3] = std::array::from_fn(|k| first[k] + index[k]);
+                if (0..3).all(|k| sample[k] < self.lattice.size[k]) {
                     rows.push(inner);
-                    points.push(self.lattice.at(place));
+                    points.push(self.lattice.at(sample));
                 }
             });
         }
@@ -241,7 +241,7 @@ impl SignLattice {
                 (_, Some(value)) => values[*row] = signed_f32(value),
             }
         }
-        // 3. If a range leaves the sign open, it is that of the computed value.
+        // 3. Where a range leaves the sign open, the sign is that of the computed value.
         let mut computed = vec![0.0; doubtful.0.len()];
         tape.at(&doubtful.1, &mut computed)?;
         for (row, value) in doubtful.0.iter().zip(&computed) {
@@ -420,9 +420,9 @@ fn each_in(at: [usize; 3], size: usize, mut visit: impl FnMut(usize)) {
 /// The longest half diagonal of a box, rounded up.
 pub(super) fn half_diagonal(bounds: &Box3) -> f64 {
     let middle = bounds.centre();
-    let far = std::array::from_fn(|k| {
+    let half_sides = std::array::from_fn(|k| {
         let (low, high) = (sub_up(middle[k], bounds.min[k]), sub_up(bounds.max[k], middle[k]));
         greater(low, high)
     });
-    length_up::<3>(far)
+    length_up::<3>(half_sides)
 }

@@ -51,15 +51,14 @@ impl CageEdges {
         for (low, run) in halves.runs(class) {
             let number = number_of[run[0].1 as usize];
             let first = edges.face_ends[number as usize] as usize - run.len();
-            let mut up = 0;
+            let mut n_up = 0;
             for (k, (_, corner, runs_up)) in run.iter().enumerate() {
                 edges.of_corner[*corner as usize] = number;
                 edges.faces[first + k] = face_of[*corner as usize];
-                up += usize::from(*runs_up);
+                n_up += usize::from(*runs_up);
             }
-            // Two faces that run along it in the same direction are not neighbours of one
-            // orientation.
-            edges.non_manifold[number as usize] = run.len() > 2 || run.len() == 2 && up != 1;
+            // Two faces that run along the edge in the same direction are wound against each other.
+            edges.non_manifold[number as usize] = run.len() > 2 || run.len() == 2 && n_up != 1;
             edges.ends[number as usize] = [low, run[0].0];
             edges.sorted.push(([low, run[0].0], number));
         }
@@ -86,7 +85,7 @@ impl CageEdges {
 }
 
 /// Half-edges by their lower vertex: the end of each vertex's list, and for each half-edge the other vertex,
-/// its corner, and whether it runs upwards; sorted in that order.
+/// its corner, and whether it runs from the lower vertex to the higher one; sorted in that order.
 struct CageHalfEdges {
     row_ends: Vec<u32>,
     all: Vec<(u32, u32, bool)>,

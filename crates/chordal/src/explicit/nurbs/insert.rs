@@ -102,20 +102,21 @@ impl<const D: usize> SplineRows<D> {
     pub fn clamp(&mut self) {
         let p = self.degree;
         let [from, to] = [self.knots[p], self.knots[self.points.len()]];
-        // Count the knots at each end; those beyond the domain are dropped below.
-        let times = |knots: &[f64], t: f64| knots.iter().filter(|knot| **knot == t).count();
-        while times(&self.knots, to) < p {
+        // Knots beyond the domain are dropped below.
+        let multiplicity = |knots: &[f64], t: f64| knots.iter().filter(|knot| **knot == t).count();
+        while multiplicity(&self.knots, to) < p {
             self.insert(to);
         }
-        let last = self.knots.iter().filter(|knot| **knot > to).count();
-        while times(&self.knots, from) < p {
+        let n_after = self.knots.iter().filter(|knot| **knot > to).count();
+        while multiplicity(&self.knots, from) < p {
             self.insert(from);
         }
-        let first = self.knots.iter().filter(|knot| **knot < from).count();
-        // One knot remains beyond p equal ones, and is made equal to them: it has no influence.
-        let beyond = |times: usize, others: usize| (times + others).saturating_sub(p + 1);
-        let [many, few] = [times(&self.knots, from), times(&self.knots, to)];
-        self.drop_ends([beyond(many, first), beyond(few, last)]);
+        let n_before = self.knots.iter().filter(|knot| **knot < from).count();
+        // At least p of the p + 1 knots that stay at each end are equal. The other one has no influence on
+        // the curve, and is made equal to them.
+        let n_dropped = |n_equal: usize, n_beyond: usize| (n_equal + n_beyond).saturating_sub(p + 1);
+        let [n_from, n_to] = [multiplicity(&self.knots, from), multiplicity(&self.knots, to)];
+        self.drop_ends([n_dropped(n_from, n_before), n_dropped(n_to, n_after)]);
         self.knots[0] = from;
         if let Some(knot) = self.knots.last_mut() {
             *knot = to;
@@ -195,8 +196,8 @@ impl<const D: usize> NurbsCurve<D> {
         sorted.iter().for_each(|t| rows.insert(*t));
         let n_points = rows.points.len();
         rows.curve(|i| match unchanged {
-            // Points that no new knot affects are taken as they are: in the rows they are times
-            // their weights, and dividing rounds.
+            // Points that no new knot affects are taken from the curve: those in the rows are multiplied
+            // by their weights, and dividing by them would round.
             [before, _] if i < before => Some(self.control()[i]),
             [_, after] if n_points - i <= after => Some(self.control()[n - (n_points - i)]),
             _ => None,

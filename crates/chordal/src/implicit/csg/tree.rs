@@ -16,12 +16,12 @@ pub enum Membership {
 }
 
 impl Membership {
-    /// The membership for a literal of a primitive that is nowhere 0 in the region: for the complement if
-    /// `falls`.
+    /// The membership in a literal, from that in its primitive: the opposite one for the complement. This
+    /// holds where the primitive is nowhere 0.
     #[inline]
     #[must_use]
-    pub fn complement_if(self, falls: bool) -> Self {
-        match (self, falls) {
+    pub fn complement_if(self, is_complement: bool) -> Self {
+        match (self, is_complement) {
             (Self::Inside, true) => Self::Outside,
             (Self::Outside, true) => Self::Inside,
             (side, _) => side,
@@ -115,8 +115,8 @@ impl CsgTree {
         indices
     }
 
-    /// The membership in the root, by three-valued logic, from that in the literals: `of` takes a primitive
-    /// and whether it occurs as its complement. At zeros of a primitive, its complement is outside as well.
+    /// The membership in the root, by three-valued logic, from that in the literals: `of` takes a literal as its
+    /// primitive and whether it is the complement. At zeros of a primitive, its complement is outside as well.
     #[must_use]
     pub fn membership(&self, of: impl FnMut(u32, bool) -> Membership) -> Membership {
         self.fold(of, |sides, is_union| joined(sides.iter().copied(), is_union))
@@ -200,9 +200,9 @@ impl CsgTree {
         }
     }
 
-    /// The primitives that can determine the value of the root somewhere in a region, each with whether it
-    /// occurs as its complement, from intervals of all. If `a < b` throughout, `b` never determines
-    /// `min(a, b)`.
+    /// The literals that can determine the value of the root somewhere in a region, each as its primitive and
+    /// whether it is the complement. `of` gives the interval of a primitive in the region. If `a < b`
+    /// throughout, `b` never determines `min(a, b)`.
     #[must_use]
     pub fn active(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> Vec<(u32, bool)> {
         let mut stack: Vec<ActiveResult> = Vec::new();
@@ -309,7 +309,7 @@ mod tests {
         for bits in 0..8_u32 {
             let value = |p: u32| if bits >> p & 1 == 1 { -1.0 - f64::from(p) } else { 1.0 + f64::from(p) };
             let expected = tree.value(value);
-            let side = |p, falls| Membership::from_value(value(p)).complement_if(falls);
+            let side = |p, is_complement| Membership::from_value(value(p)).complement_if(is_complement);
             assert_eq!(tree.membership(side), Membership::from_value(expected));
             assert_eq!(tree.contains(|p| value(p) < 0.0), expected < 0.0);
             assert_eq!(tree.range(|p| [value(p); 2]), [expected; 2]);
@@ -321,8 +321,9 @@ mod tests {
     #[test]
     fn restricting_keeps_what_still_decides() {
         let tree = sample();
-        let restricted =
-            |classify: fn(u32) -> Membership| tree.restrict(|p, falls| classify(p).complement_if(falls));
+        let restricted = |classify: fn(u32) -> Membership| {
+            tree.restrict(|p, is_complement| classify(p).complement_if(is_complement))
+        };
         let unknown = |_| Membership::Unknown;
         assert_eq!(restricted(unknown), CsgRestriction::Open(tree.clone()));
         let c_outside = |p| if p == 2 { Membership::Outside } else { Membership::Unknown };

@@ -24,9 +24,10 @@ impl PastCollapse {
 }
 
 impl EdgeCollapser {
-    /// From the state in which `past` began, repeats its collapses, except for those at open vertices, which
-    /// are to be tried again, and those that are impossible without these; the vertices of the latter become
-    /// open. No monitor checks this. Afterwards the queue holds the edges of the open vertices.
+    /// Repeats the collapses of `past` from the state in which they began. Left out are those at open vertices,
+    /// which are to be tried again, and those that have become impossible because others were left out; their
+    /// vertices become open as well. No monitor checks the repeated ones. Afterwards the queue holds the edges
+    /// of the open vertices.
     pub fn replay(&mut self, past: &[PastCollapse], is_open: &mut [bool]) {
         let monitor = self.monitor.take();
         // Collapses without a monitor do not forget refusals.
@@ -35,8 +36,8 @@ impl EdgeCollapser {
             let h = collapse.h;
             let is_same = self.surface.start[h as usize] == ends[0] && self.surface.end(h) == ends[1];
             let is_closed = !ends.iter().any(|v| is_open[*v as usize]);
-            // If nothing around a collapse changed, earlier findings still apply; values at corners depend
-            // on the faces.
+            // If nothing around a collapse has changed, it is known to be allowed. With values at corners it
+            // has to be checked again, since these depend on the faces.
             let is_known = self.wedges.is_none() && !self.is_beside(ends, is_open);
             let is_allowed =
                 |this: &mut Self| this.satisfies_link_condition(h) && this.flips_no_face(collapse);

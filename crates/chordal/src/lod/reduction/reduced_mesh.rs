@@ -44,8 +44,8 @@ impl MeshReduction<'_> {
                     self.wedge_values(origin.iter().flat_map(wedges_of), from, attribute.width)
                 }
             };
-            let same = Attribute { values, ..clone_without_values(attribute) };
-            mesh = mesh.with_attribute(same).unwrap_or_else(empty_on_error);
+            let reduced = Attribute { values, ..clone_without_values(attribute) };
+            mesh = mesh.with_attribute(reduced).unwrap_or_else(empty_on_error);
         }
         mesh
     }

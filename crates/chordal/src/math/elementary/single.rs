@@ -26,7 +26,7 @@ pub(crate) fn sin_cos_near(x: f32) -> (f32, f32) {
     let n = shifted - TO_WHOLE;
     // The sum's low bits are the integer, in two's complement; only the last two count.
     let quarters = shifted.to_bits();
-    // n| is below 2¹² up to NEAR, so its products with the three parts of 12 bits are exact.
+    // |n| is below 2¹² up to NEAR, so its products with the three parts of 12 bits are exact.
     let r = (((x - n * HALF_PI[0]) - n * HALF_PI[1]) - n * HALF_PI[2]) - n * HALF_PI[3];
     let z = r * r;
     let mut s = 1.0 / 362_880.0;
