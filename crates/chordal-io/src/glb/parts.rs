@@ -70,9 +70,9 @@ impl<'m> PartReader<'m> {
         self.plan_skin(&mut plan, mesh, mesh_idx)?;
         let has_targets = mesh.primitives.iter().any(|primitive| primitive.targets.is_some());
         if has_targets && !plan.streams.iter().any(|s| matches!(s.source, StreamSource::Target(..))) {
-            let place = FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
+            let location = FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
             let what = "morph targets that not all primitives of their mesh have were not kept";
-            self.report.add("morph-targets-ignored", place, what);
+            self.report.add("morph-targets-ignored", location, what);
         }
         let streams = plan.streams.iter().map(|_| Vec::new()).collect();
         let mut draft = PartDraft { plan, streams, ..PartDraft::default() };
@@ -90,7 +90,7 @@ impl<'m> PartReader<'m> {
                 && primitive.attributes.iter().all(|(name, _)| *name != NORMAL)
             {
                 unshaded.push(n..draft.faces.len());
-                self.plan_flat_faces(&draft, n_new, &pointer)?;
+                self.charge_flat_faces(&draft, n_new, &pointer)?;
             }
             let group = group.map_or(0.0, |group| *group as f64);
             // The list stays empty until a face has a group; then the faces before it get group 0.
@@ -107,8 +107,9 @@ impl<'m> PartReader<'m> {
         Ok(Part { name: name.to_owned(), mesh, ..Part::default() })
     }
 
-    /// Charges the corners of flat-shaded faces: those without normals, in a mesh where others have some.
-    fn plan_flat_faces(
+    /// Charges for the corners of flat-shaded faces, and warns of them: faces without normals, in a mesh where
+    /// others have some.
+    fn charge_flat_faces(
         &mut self,
         draft: &PartDraft<'m>,
         n_faces: usize,
@@ -121,8 +122,8 @@ impl<'m> PartReader<'m> {
         }
         self.charge(n_rows * 8 * draft.row_width() as u64, pointer)?;
         let what = "triangles without normals, in a mesh where others have some, got their own: they are shaded flat";
-        let place = FileLocation::Pointer(pointer.to_owned());
-        self.report.add_many("normals-of-faces", n_faces as u64, place, what);
+        let location = FileLocation::Pointer(pointer.to_owned());
+        self.report.add_many("normals-of-faces", n_faces as u64, location, what);
         Ok(())
     }
 
@@ -158,9 +159,9 @@ impl<'m> PartReader<'m> {
         pointer: &str,
     ) -> Result<(), ReadError> {
         let position = primitive.position();
-        let place = || FileLocation::Pointer(pointer.to_owned());
+        let location = || FileLocation::Pointer(pointer.to_owned());
         let Some(mode) = primitive.mode else {
-            return Err(ReadError::new("VALUE_NOT_IN_RANGE", place(), "mode is none of 0 to 6"));
+            return Err(ReadError::new("VALUE_NOT_IN_RANGE", location(), "mode is none of 0 to 6"));
         };
         if mode < FIRST_MODE_OF_TRIANGLES {
             // The reader of assets handles points and lines.
@@ -169,7 +170,7 @@ impl<'m> PartReader<'m> {
         let Some(position) = position else {
             self.report.add(
                 "MESH_PRIMITIVE_NO_POSITION",
-                place(),
+                location(),
                 "primitives without positions were skipped",
             );
             return Ok(());
@@ -178,12 +179,12 @@ impl<'m> PartReader<'m> {
             if draco::has_plain_copy(self.model, primitive) {
                 self.report.add(
                     "draco-copy-ignored",
-                    place(),
+                    location(),
                     "Draco copies of plain primitives were ignored",
                 );
             } else if item(&self.model.accessors, Some(position)).is_none_or(|rows| rows.unpacked.is_none()) {
                 let what = "the stream of Draco that holds the triangles could not be decoded";
-                return Err(ReadError::new(BROKEN_STREAM, place(), what));
+                return Err(ReadError::new(BROKEN_STREAM, location(), what));
             }
         }
         // Exporters often list the same accessors in several primitives that differ only in their
@@ -199,13 +200,13 @@ impl<'m> PartReader<'m> {
         self.report.add_many(
             "MESH_PRIMITIVE_INCOMPATIBLE_MODE",
             leftover.unused,
-            place(),
+            location(),
             "indices that make no whole triangle were skipped",
         );
         self.report.add_many(
             "strip-connectors",
             leftover.degenerate,
-            place(),
+            location(),
             "triangles of strips and fans with a repeated index were skipped",
         );
         Ok(())
@@ -219,7 +220,7 @@ impl<'m> PartReader<'m> {
         position: usize,
         pointer: &str,
     ) -> Result<(usize, usize), ReadError> {
-        let (whole, pointer) = (pointer, format!("{pointer}/attributes"));
+        let (primitive_pointer, pointer) = (pointer, format!("{pointer}/attributes"));
         let rows =
             AccessorRows::new(self.model, position).map_err(|error| at(error, &pointer, "POSITION"))?;
         if rows.format.kind.n_components() != 3 {
@@ -263,7 +264,7 @@ impl<'m> PartReader<'m> {
                 }
                 StreamSource::Target(target, name) => {
                     let accessor = targets.get(target).and_then(|attributes| *attributes.get(name)?);
-                    let pointer = format!("{whole}/targets/{target}/{name}");
+                    let pointer = format!("{primitive_pointer}/targets/{target}/{name}");
                     self.stream(planned, values, accessor, count, &pointer)?;
                 }
                 StreamSource::Joints => {
@@ -281,11 +282,11 @@ impl<'m> PartReader<'m> {
             }
         }
         for name in named.keys() {
-            let place = FileLocation::Pointer(format!("{pointer}/{name}"));
+            let location = FileLocation::Pointer(format!("{pointer}/{name}"));
             if is_skinning(name) {
-                self.report.add("skins-ignored", place, "skins were not applied");
+                self.report.add("skins-ignored", location, "skins were not applied");
             } else {
-                self.report.add("attribute-skipped", place, SKIPPED);
+                self.report.add("attribute-skipped", location, SKIPPED);
             }
         }
         draft.blocks.insert((&primitive.attributes, primitive.targets.as_deref()), (first, count));
@@ -301,13 +302,13 @@ impl<'m> PartReader<'m> {
         count: usize,
         pointer: &str,
     ) -> Result<(), ReadError> {
-        let place = || FileLocation::Pointer(pointer.to_owned());
+        let location = || FileLocation::Pointer(pointer.to_owned());
         self.charge(count as u64 * planned.width as u64 * 8, pointer)?;
         reserve(values, count * planned.width, pointer)?;
         let Some(accessor) = accessor else {
             let what = "vertices lack an attribute that others of their mesh have";
             if planned.semantic != Semantic::Normal {
-                self.report.add_many("attribute-missing", count as u64, place(), what);
+                self.report.add_many("attribute-missing", count as u64, location(), what);
             }
             values.resize(values.len() + count * planned.width, planned.default_value());
             return Ok(());
@@ -322,7 +323,7 @@ impl<'m> PartReader<'m> {
             }
             // After strict checks only custom attributes can fail here.
             _ => {
-                self.report.add("attribute-skipped", place(), SKIPPED);
+                self.report.add("attribute-skipped", location(), SKIPPED);
                 values.resize(values.len() + count * planned.width, planned.default_value());
                 return Ok(());
             }
@@ -342,7 +343,7 @@ impl<'m> PartReader<'m> {
             *x = if x.is_finite() { *x } else { 0.0 };
         }
         let what = "attribute values that are not finite became zero";
-        self.report.add_many("attribute-not-finite", n_broken, place(), what);
+        self.report.add_many("attribute-not-finite", n_broken, location(), what);
         Ok(())
     }
 
@@ -384,7 +385,7 @@ impl<'m> PartReader<'m> {
         rows.each_block(|row, indices| {
             let is_wrong = |index: &f64| *index >= limit || *index == restart;
             // The fold has no early exit, so that a block of indices is compared several at once;
-            // the place of a wrong one is looked up only then.
+            // a wrong one is searched for only then.
             if wrong.is_none() && indices.iter().fold(false, |any, index| any | is_wrong(index)) {
                 let first = indices.iter().position(is_wrong);
                 wrong = first.map(|i| (row + i as u64, indices[i]));
@@ -419,16 +420,16 @@ impl<'m> PartReader<'m> {
     }
 
     fn finish(&mut self, mut draft: PartDraft<'m>, mesh_idx: usize) -> Result<Mesh, ReadError> {
-        let place = || FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
+        let location = || FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
         let broken = draft.positions.iter().position(|p| p.iter().any(|x| !x.is_finite()));
         if let Some(vertex) = broken {
             if !self.limits.drop_nonfinite {
                 let what = format!("vertex {vertex} is {:?}", draft.positions[vertex]);
-                return Err(ReadError::new("ACCESSOR_INVALID_FLOAT", place(), what));
+                return Err(ReadError::new("ACCESSOR_INVALID_FLOAT", location(), what));
             }
             let dropped = draft.drop_nonfinite();
             let what = "vertices that are not finite were dropped with their faces";
-            self.report.add_many("not-finite", dropped, place(), what);
+            self.report.add_many("not-finite", dropped, location(), what);
         }
         let mut materials = draft.materials;
         let has_material = materials.iter().any(|material| *material != 0.0);
@@ -477,8 +478,8 @@ impl PartDraft<'_> {
         self.faces.iter_mut().for_each(|face| *face = face.map(|i| renumbered[i as usize]));
         for (planned, values) in self.plan.streams.iter().zip(&mut self.streams) {
             let width = planned.width;
-            let mut place = 0..;
-            values.retain(|_| place.next().is_some_and(|i: usize| keep[i / width]));
+            let mut indices = 0..;
+            values.retain(|_| indices.next().is_some_and(|i: usize| keep[i / width]));
         }
         let n = self.positions.len();
         let mut kept = keep.iter();

@@ -81,14 +81,14 @@ impl<'a> GltfLint<'a> {
         let uri = self.text(map, "uri", false);
         let mut data = None;
         match uri.and_then(uri::data_uri) {
-            Some(Ok(found))
-                if matches!(found.mime.as_str(), "application/gltf-buffer" | "application/octet-stream") =>
+            Some(Ok(parsed))
+                if matches!(parsed.mime.as_str(), "application/gltf-buffer" | "application/octet-stream") =>
             {
-                data = Some(Cow::Owned(found.bytes));
+                data = Some(Cow::Owned(parsed.bytes));
             }
-            Some(Ok(found)) => {
+            Some(Ok(parsed)) => {
                 self.issue("BUFFER_DATA_URI_MIME_TYPE_INVALID", Some("uri".into()), || {
-                    format!("data of type {} make no buffer", found.mime)
+                    format!("data of type {} make no buffer", parsed.mime)
                 });
             }
             Some(Err(what)) => self.issue_below("INVALID_URI", "uri", what),

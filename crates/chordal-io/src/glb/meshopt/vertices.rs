@@ -117,7 +117,9 @@ fn read_deltas(
 ) -> Result<(), String> {
     let bits = match control {
         None => BITS_V0,
+        // All differences are 0.
         Some(2) => return Ok(()),
+        // The differences are stored as they are.
         Some(3) => {
             deltas[..n].copy_from_slice(packed.take(n)?);
             return Ok(());
