@@ -3,7 +3,7 @@ use crate::formats::in_words;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{InvalidLength, Length};
 
-/// A length. The error is the reason alone, since the sentence that it becomes part of names the text already.
+/// A length. The error is the reason alone: the message in which it stands names the text already.
 ///
 /// # Errors
 /// Why the text is no length.
@@ -77,7 +77,7 @@ pub(super) fn texcoord_distance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// One of some words, by what each stands for.
+/// What a word stands for, by a list of words and their meanings.
 pub(super) fn word<T: Copy>(text: &str, words: &[(&str, T)]) -> Result<T, String> {
     let meaning = words.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
     meaning.ok_or_else(|| {

@@ -28,8 +28,8 @@ pub(crate) fn length_in_part(length: f64, stretch: f64) -> Option<Tolerance> {
     in_part.filter(|in_part| *in_part > 0.0).and_then(|in_part| Tolerance::new(in_part).ok())
 }
 
-/// By part: the largest factor by which its transforms, or the joints of a skin, lengthen, over all placements; 0 for a part
-/// without placements. For a posed part the factor is that of a vertex whose joints stay.
+/// By part: the largest factor by which a placement lengthens a vector, by its transforms or by its pose; 0 for a part without
+/// placements. For a posed part the weights of the joints are taken as constant.
 pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
     let mut stretch = vec![0.0; scene.parts.len()];
     for place in part_placements(scene) {
@@ -69,7 +69,7 @@ struct PosedPlace {
 }
 
 impl PartPlacement {
-    /// The placement above all nodes.
+    /// The placement above all nodes: the world itself.
     const OUTSIDE: Self = Self {
         node: 0,
         part: 0,
@@ -176,7 +176,8 @@ pub(crate) fn map_rounding(map: &Matrix4, reach: [f64; 3]) -> f64 {
     if place.is_identity { 0.0 } else { place.rounding_within(reach) }
 }
 
-/// The product of two maps, the first after the second, and the largest distance by which its rounding moves such a point.
+/// The map that applies `map` and then `after`, and the largest distance by which its rounding can move a point with coordinates
+/// of at most these absolute values.
 pub(crate) fn as_one_map(after: &Matrix4, map: &Matrix4, reach: [f64; 3]) -> (Matrix4, f64) {
     if *after == IDENTITY || *map == IDENTITY {
         return (if *after == IDENTITY { *map } else { *after }, 0.0);
@@ -310,30 +311,30 @@ pub(crate) fn n_places(scene: &Scene) -> usize {
 /// placement without a transform.
 ///
 /// # Errors
-/// As [`one_mesh`].
+/// As [`Scene::world_meshes`].
 pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, WriteError> {
     let mut parts = vec![(Vec::new(), true); scene.parts.len()];
     for ((_, mesh), part) in scene.world_meshes()?.into_iter().zip(parts_in_order(scene)) {
         parts[part].0.push(mesh.bounds());
     }
     for place in part_placements(scene) {
-        let (boxes, is_as_it_is) = &mut parts[place.part];
-        *is_as_it_is &= place.is_identity && boxes.len() == 1;
+        let (boxes, is_single_identity) = &mut parts[place.part];
+        *is_single_identity &= place.is_identity && boxes.len() == 1;
         if !place.is_identity {
-            // Grows the boxes of all placements of the part, since the order is not the same; a box may be too large.
+            // The boxes of all placements of the part grow, since their order is not that of the placements; a box may be too large.
             let rounding = place.rounding(&scene.parts[place.part]);
-            boxes.iter_mut().for_each(|place| *place = pad_box(place, rounding));
+            boxes.iter_mut().for_each(|bounds| *bounds = pad_box(bounds, rounding));
         }
     }
     Ok(parts)
 }
 
 /// A box grown by a length on every side, rounded outward.
-pub(crate) fn pad_box(place: &Box3, length: f64) -> Box3 {
+pub(crate) fn pad_box(bounds: &Box3, length: f64) -> Box3 {
     if length == 0.0 {
-        return *place;
+        return *bounds;
     }
-    Box3 { min: place.min.map(|x| sub_down(x, length)), max: place.max.map(|x| add_up(x, length)) }
+    Box3 { min: bounds.min.map(|x| sub_down(x, length)), max: bounds.max.map(|x| add_up(x, length)) }
 }
 
 #[cfg(test)]

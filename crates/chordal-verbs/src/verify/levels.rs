@@ -89,7 +89,7 @@ fn check_unclaimed(
     };
     if let Some(last) = steps.last_mut() {
         last.output.geometry = digest_of(level, coarsest)?;
-        // The level may be nearer than that one.
+        // The level may be nearer to the input than the coarsest one with a certificate.
         last.bound.iter_mut().for_each(|bound| bound.at_least = 0.0);
     }
     let history = &HistoryFacts::new(begins, steps);
