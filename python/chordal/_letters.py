@@ -29,8 +29,9 @@ def text(
 ) -> Field:
     """The letters of a text in a font, as a 2D shape: the exact distance to polygons within `tolerance` of the outlines. If
     outlines overlap, the area that they fill is computed first, and the value inside of it may be a lower bound. `em` is the
-    length of the font's em. Lines start at x = 0, or are centred or end there by their advance widths, as `align` says. `axes` are
-    coordinates of a variable font, as in `wght=700`. `Field.notes` has the distance of the polygons from the outlines.
+    length of the font's em. `align` says whether the lines, by their advance widths, start at x = 0, are centred there or end
+    there. `axes` are coordinates of a variable font, as in `wght=700`. `Field.notes` has the distance of the polygons from
+    the outlines.
 
     Raises `ReadError` for a text that the font cannot set, and `OSError` if the font cannot be read.
     """

@@ -1,4 +1,4 @@
-//! The deviation of two shapes, and the verification of certificates, from Python's arguments.
+//! The deviation of two shapes, the verification of certificates, and histories, from Python's arguments.
 use crate::source::Source;
 use crate::spec::{GivenOptions, request};
 use crate::work::ProgressListener;
@@ -36,8 +36,8 @@ pub(crate) fn report(
     Ok(report.to_value().to_string())
 }
 
-/// The report of `chordal verify`, as JSON: for a shape with its certificate, or that of a report, and the
-/// shapes that it was made from.
+/// The report of `chordal verify`, as JSON, for a shape and those that it was made from. `certificate` is that
+/// of a report; without it, the certificate in the shape's file is verified.
 #[pyfunction]
 pub(crate) fn verified(
     py: Python<'_>,

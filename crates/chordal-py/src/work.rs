@@ -166,6 +166,7 @@ fn wait<T: Send>(
     }
 }
 
+/// The message if the work panics.
 const BROKEN: &str = "this is a bug in the library; please report it with the call that led to it";
 
 /// The messages since the last update.
