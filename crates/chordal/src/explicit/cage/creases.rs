@@ -156,7 +156,7 @@ impl<'a> GridSharpness<'a> {
             let sharp = parts.at(part);
             if point_index == 0 || point_index == self.n {
                 let vertex = self.ends[edge as usize][point_index / self.n];
-                // Both ends of an edge with a sharpness are in the list.
+                // Both ends of an edge with a sharpness are in `special`.
                 let index = self.special.binary_search(&vertex).unwrap_or(0);
                 subdivide_sharpness(self.creasing, sharp, self.edges_around(index).map(|(_, sharp)| sharp))
             } else {

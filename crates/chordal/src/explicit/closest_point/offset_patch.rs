@@ -196,8 +196,8 @@ impl OffsetPatch {
             let slope = jet.point.dot(jet.first[k]);
             let error = OF_SLOPE * tangents[k] * self.size;
             let steep = slope.abs() + error;
-            // Both bounds of a bracket hold, so the smaller loss counts: the first is better near a
-            // minimum inside the square, the second at its border.
+            // Both `inside` and `ends` bound the loss, so the smaller one counts: the first is better near a minimum
+            // inside the square, the second at its border.
             let inside = steep * steep / (2.0 * kappa * curvature);
             let ends = greater((slope + error) * at[k], (error - slope) * (1.0 - at[k]));
             let ends = greater(ends, 0.0);
