@@ -148,7 +148,7 @@ impl<'j> Roof<'j> {
         let is_inward = first[0] * second[1] - first[1] * second[0] < 0.0;
         let cosine = dot(m, n);
         if !is_inward {
-            // Its component along either normal is 1, so that both distances grow by 1.
+            // The component of the ray along either normal is 1, so that the distances from both edges grow alike.
             let sum = [m[0] + n[0], m[1] + n[1]];
             // A spike that is only a rounding wide has no bisector.
             return if 1.0 + cosine > NEAR { vec![sum.map(|x| x / (1.0 + cosine))] } else { Vec::new() };
