@@ -16,8 +16,7 @@ pub(super) enum FaceSide {
 /// Verdicts of earlier queries: most triangles do not change from one mesh to the next.
 #[derive(Clone, Debug)]
 pub(super) struct FaceSideCache {
-    // It is never iterated.
-    verdicts: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
+    verdicts: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it: it is never iterated.
     /// The most triangles kept.
     most: usize,
 }
