@@ -158,8 +158,8 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         let mut edge = vec![false; frame.len()];
         for [i, j] in (1..h - 1).flat_map(|j| (1..w - 1).map(move |i| [i, j])) {
             let k = frame.index([i, j]);
-            // Both sides of an edge get all their rays: which of them has it in its middle ray is
-            // chance.
+            // The pixels on both sides of an edge get all their rays, since it is chance in which of the two the
+            // edge lies.
             let around = [k - w - 1, k - w, k - w + 1, k - 1, k, k + 1, k + w - 1, k + w, k + w + 1];
             edge[k] = around.iter().any(|n| lined[*n] || !seen[k].is_one_with(&seen[*n]));
         }
