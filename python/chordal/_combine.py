@@ -163,12 +163,12 @@ def _without_nothing(
     """The same combination without empty meshes, as differences may be: they count as the empty solid."""
     remaining: list[tuple[str, Combinable]] = []
     for operation, other in steps:
-        # Nothing, where it comes second: an intersection with it is nothing, whatever came before; a union or difference
-        # changes nothing.
+        # The second operand is empty: an intersection with it is empty, whatever came before, and a union or difference
+        # with it changes nothing.
         if _is_nothing(other):
             if operation == "intersection":
                 first, remaining = other, []
-        # Nothing, so far: only a union has anything in it.
+        # The result so far is empty: only a union puts anything into it.
         elif _is_nothing(first):
             first = other if operation == "union" else first
         else:
