@@ -103,7 +103,7 @@ export function control(element: HTMLElement, camera: Camera): () => void {
   element.addEventListener("pointermove", move, { signal });
   element.addEventListener("pointerup", up, { signal });
   element.addEventListener("pointercancel", up, { signal });
-  // Not passive: only so may it keep the page from scrolling.
+  // Not passive, since a passive listener cannot keep the page from scrolling.
   element.addEventListener("wheel", wheel, { signal, passive: false });
   element.addEventListener("keydown", key, { signal });
   element.addEventListener("contextmenu", menu, { signal });
