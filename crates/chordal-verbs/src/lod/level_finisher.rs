@@ -104,6 +104,8 @@ impl LevelFinisher {
     ) -> Result<Bounded<Part>, MeshFailure> {
         let lattice = part.storage.as_ref().and_then(|storage| storage.lattice);
         let target = RoundingTarget::new(Format::Glb, lattice);
+        // Positions first: normals are those of the triangles that the file holds, and are rounded after they are
+        // computed.
         let Bounded { shape: mesh, bound } = snap_with_bound(&part.mesh, bound, target, None, job)?;
         let mut scene = Scene { parts: vec![Part { mesh, ..part }], frame: self.frame, ..Scene::default() };
         self.apply_normals(&mut scene, notes)?;

@@ -169,6 +169,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     }
     certificate.notes.dedup();
     let mut outcome = LodOutcome { layout, switches, spec: spec.clone(), diagonal, unmet, certificate };
+    // Before the digests: they are of levels as they are written, and a packing changes the order of faces.
     outcome.pack(spec.packing);
     let mut levels = levels;
     for (k, level) in levels.iter_mut().enumerate() {
@@ -210,6 +211,7 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
     }
     let diagonal = shape.diagonal()?;
     let focal = spec.lens.focal_px().unwrap_or(f64::INFINITY);
+    // At this distance the diagonal covers the height of the screen, in its middle.
     let distance = spec.nearest.unwrap_or(diagonal * focal / f64::from(spec.lens.screen.height_px));
     if spec.nearest.is_none() {
         certificate.notes.push(format!(

@@ -48,6 +48,7 @@ pub fn rounded_part(part: &SurfacePart, origin: [f64; 3]) -> Result<SurfacePart,
     let (local, rounding) = about(&part.mesh, origin)?;
     // STL stores single precision without an origin of its own.
     let rounded = snap(&local, Format::Stl)?;
+    // Two roundings: that of the difference to the origin, and that to single precision.
     let moved = Bound::proved(0.0, up(rounded.moved_at_most, rounding), Reference::InputTriangles);
     let mut bound = if moved.at_most() == Some(0.0) { part.bound.clone() } else { part.bound.then(&moved) };
     // The worst place moves with the coordinates.
@@ -116,6 +117,7 @@ pub fn part_tileset(entries: &[TileEntry], origin: [f64; 3], frame: &Frame) -> R
     let mut root = root_of(roots);
     root.transform = placement_matrix(origin, frame);
     let tileset = Tileset {
+        // The product with 1 is one step above the diagonal, which is a rounded number.
         geometric_error: add_up(mul_up(all_bounds.diagonal(), 1.0), root.geometric_error),
         root,
         extras: Some(json!({ "chordal": {

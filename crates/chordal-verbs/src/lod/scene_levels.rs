@@ -83,6 +83,7 @@ impl SceneLevels {
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
         let (mut coarser, mut bounds, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
         let posed = flatten::is_posed(&finest).then(|| finest.clone());
+        // From a copy: poses are compared with those of the scene as it was, while its parts are replaced.
         let shown = posed.as_ref().map(ShownParts::new);
         for (number, ((part, mut chain), lattice)) in
             finest.parts.iter_mut().zip(chains).zip(lattices).enumerate()
@@ -135,6 +136,8 @@ impl SceneLevels {
                 }
             }
             let is_fine = |level: &Bounded<Part>| error_in(&level.bound, stretch[number]) <= tolerance;
+            // The mesh itself was inserted for want of a better one; a simplified level within the length replaces
+            // it.
             if pose.is_some() && levels.get(1).is_some_and(is_fine) {
                 levels.remove(0);
                 deviations.remove(0);
@@ -163,12 +166,15 @@ impl SceneLevels {
         for _ in 0..MOST_LEVELS {
             let choice: Vec<usize> = (0..self.bounds.len())
                 .map(|part| {
+                    // The coarsest level within the tolerance; if none is, the finest, whose error then is that of
+                    // the scene.
                     let fits = |bound: &Bound| error_in(bound, stretch[part]) <= tolerance;
                     self.bounds[part].iter().rposition(fits).unwrap_or(0)
                 })
                 .collect();
             let is_last = choice.iter().zip(&self.bounds).all(|(level, bounds)| level + 1 == bounds.len());
             let level = self.scene_level(choice, stretch)?;
+            // Of two levels with one error only one could ever be shown, since they would switch at one distance.
             let is_new = |finer: &SceneLevel| {
                 let fewer = level.triangles as f64 <= WORTH_IT * finer.triangles as f64;
                 fewer && level.bound.at_most() > finer.bound.at_most()

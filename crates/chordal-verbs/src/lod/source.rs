@@ -116,10 +116,13 @@ impl LevelSource<'_> {
     fn is_too_large(&self, scene: &Scene, stretch: &[f64], bounds: Box3) -> Result<bool, MeshFailure> {
         let most = self.max_tile_triangles();
         let n_faces = |part: &Part| part.mesh.faces().len();
+        // Levels never have more triangles than the input, so that nothing has to be simplified to know.
         if scene.parts.iter().map(n_faces).sum::<usize>() <= most {
             return Ok(false);
         }
         let lengths = self.part_lengths(scene, stretch, bounds)?;
+        // Otherwise only the finest levels themselves tell, and these are built for the answer alone: of the chain
+        // the first level is asked for, after which a limit of 0 triangles ends it.
         let mut remaining = most;
         for (part, length) in scene.parts.iter().zip(lengths) {
             let attributes = attributes_before_rounding(self.spec);
@@ -180,6 +183,7 @@ impl LevelSource<'_> {
             notes.push(format!("{note} ({n_fixed}x)").into());
         }
         let lengths = self.part_lengths(&scene, &stretch, bounds)?;
+        // The parts share the number at which a level is the last: the scene is to end at about that many triangles.
         let n_parts = lengths.iter().flatten().count().max(1);
         let stop_at_triangles = (LAST_LEVEL / n_parts).max(LAST_LEVEL_OF_PART);
         let mut stats = ReductionStats::default();
@@ -258,6 +262,7 @@ impl LevelSource<'_> {
             let before = notes.len();
             match tessellate(shape, length, bounds, notes, &simplification_job) {
                 Err(JobError::Refused(refusal)) if refusal.code == RefusalCode::TooManyTriangles => {
+                    // The second attempt makes the same notes again.
                     notes.truncate(before);
                     tessellate(shape, length, bounds, notes, self.job)
                 }

@@ -50,8 +50,11 @@ impl TileHierarchy {
             let message = Message::from(message).setting(Setting::TileTriangles).words(" be larger");
             return Err(MeshFailure::Usage(message));
         }
+        // One origin for all tiles, chosen by the whole mesh: with one each, a shared vertex would be rounded
+        // differently.
         let origin = snap(&mesh, Format::Glb)?.origin;
         let (local, rounding) = about(&mesh, origin)?;
+        // Not glTF's own rounding, which would choose an origin for each tile: that of STL has none.
         let target = RoundingTarget::new(Format::Stl, lattice);
         let storage = finisher.storage(lattice);
         let (rounded, moved) = round_tile(&local, &target, job)?;
@@ -73,6 +76,7 @@ impl TileHierarchy {
             attributes: finisher.attributes,
             ..TilingOptions::from_step(step)
         };
+        // The tree starts from the rounded mesh, whose bound has the rounding in it, so that leaves add none.
         let root = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
         let tree = lod::tiling::tree(&root, Topology::Positions, &cuts, job)?;
         let mut stats = ReductionStats::default();
@@ -82,6 +86,7 @@ impl TileHierarchy {
         for tile in tree.tiles {
             let (rounded, moved) = round_tile(&tile.mesh, &target, job)?;
             let step = Bound::proved(0.0, moved, Reference::InputTriangles);
+            // Collapses make new positions in coarser tiles, which are rounded for the first time here.
             let bound = if moved > 0.0 { tile.bound.then(&step) } else { tile.bound };
             let scene = to_file_rows(finisher.scene(rounded, storage)?, Format::Glb)?;
             let (triangles, vertices) = counts(&scene);

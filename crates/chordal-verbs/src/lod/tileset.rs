@@ -48,6 +48,7 @@ impl LodOutcome {
         for k in 0..levels.levels.len() {
             let Some(level) = levels.level_mesh(k) else { continue };
             let name = format!("level_{k}.glb");
+            // A tile's box has to contain those of its children, and a coarser level may lie inside of a finer one.
             bounds = bounds.union(self.write_tile(&level, &name, files)?);
             tree = Some(self.tile(&level, &bounds, &name, tree.take().into_iter().collect()));
         }
@@ -109,6 +110,8 @@ impl LodOutcome {
 
     fn tileset_from_root(&self, mut root: Tile) -> Tileset {
         if let Some(place) = self.spec.place {
+            // The origin of the coordinates is moved first, within the scene, and then the scene to its place on the
+            // Earth.
             let root_matrix = root.transform.as_deref();
             root.transform = Some(Box::new(
                 root_matrix.map_or(place.matrix(), |root_matrix| moved(&place.matrix(), root_matrix)),
@@ -151,6 +154,7 @@ impl LodOutcome {
             }
             _ => error,
         };
+        // One step is enough: the writer refuses a tile whose error is not below that of its parent.
         let least = finer.next_up();
         greater(geometric_error, least)
     }

@@ -36,6 +36,7 @@ impl HeldFaces {
     pub fn add(&mut self, [before, after, free]: [usize; 3]) {
         self.before += before as u64;
         self.after += after as u64;
+        // Fewer limits may by chance leave more triangles; then none is held.
         self.free += free.min(after) as u64;
     }
 

@@ -79,6 +79,7 @@ pub(crate) fn simplify_scene(
     let mut worst: Option<Bound> = None;
     let mut pixels = eye.map(|_| 0.0);
     let rounded = stretch.iter().zip(&targets);
+    // A copy: poses are compared with those of the scene as it was, while its parts are replaced one by one.
     let posed = flatten::is_posed(&scene).then(|| scene.clone());
     let shown = posed.as_ref().map(ShownParts::new);
     for (number, ((part, (stretch, target)), share)) in
@@ -99,6 +100,7 @@ pub(crate) fn simplify_scene(
             let n_free = free.map_or(counts[1], |free| free.shape.mesh.faces().len());
             held.add([counts[0], counts[1], n_free]);
         }
+        // Triangles that all stay keep the order of their file, which may have a meaning there.
         if rounded.faces().len() < part.mesh.faces().len() {
             order_new_mesh(&mut rounded)?;
         }
@@ -107,16 +109,20 @@ pub(crate) fn simplify_scene(
         let seen = eye.filter(|_| shown.is_none());
         let seen = seen.and_then(|eye| share.pixels_of(&simplified, snapped, place_error, &eye.view));
         let bound = simplified.bound.then(&step);
+        // Without fewer triangles, only the storage in fewer bits can have changed an attribute.
         if is_quantized || part.mesh.faces().len() < before.faces().len() {
             notes.extend(measure_attributes(&mut attributes, [&before, &part.mesh], &bound, job)?);
         }
         let part_error = bound.at_most().unwrap_or(f64::INFINITY);
+        // A posed part was measured where the scene shows it; a stretch says nothing of a pose by several joints.
         let most = moved.unwrap_or_else(|| placements::scaled_up(part_error, *stretch));
         let most = if place_error == 0.0 { most } else { add_up(most, place_error) };
         if !most.is_finite() {
             let message = "the transforms of the scene take its coordinates out of range";
             return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
         }
+        // Parts that were simplified within a length, and posed ones, have no pixels of their own: their length is
+        // seen at each of their places.
         let seen = seen.or_else(|| eye.and_then(|eye| pixels_at(&share.boxes, most, &eye.view)));
         pixels = pixels.zip(seen).map(|(most, seen)| greater(seen, most));
         if worst.as_ref().is_none_or(|worst| worst.at_most() < Some(most)) {
@@ -135,6 +141,7 @@ pub(crate) fn simplify_scene(
     stayed.extend(held.note(&budget.attributes));
     let frozen = FrozenFaces::find(&scene, &stats, [before, after]);
     stayed.extend(frozen.map(|frozen| frozen.note()));
+    // Pieces explain nothing if the triangles that stay in any case are more than the count by themselves.
     if !frozen.is_some_and(|frozen| frozen.are_more_than(budget, &stats)) {
         stayed.extend(pieces_note(&scene, budget));
     }
@@ -222,6 +229,7 @@ impl PartToFit<'_> {
             }
             let share = lesser(SHORTER, exceeded_limit / moved);
             let shorter = budget.length.and_then(|length| Tolerance::new(share * length.get()).ok());
+            // The last try has no length, so that nothing is simplified: what remains is the error of storing.
             budget.length = shorter.filter(|_| tries_left > 1);
         }
         Ok(None)
@@ -292,6 +300,7 @@ fn stored(
     if !deviations.iter().any(|deviation| exceeds(limits, deviation)) {
         return Ok(on_lattice);
     }
+    // The writer asks the part, not the target, how positions are stored.
     if let Some(storage) = &mut part.storage {
         storage.lattice = None;
     }
@@ -316,6 +325,7 @@ fn round(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, Bound
     if target.lattice.is_none() {
         return Ok((snapped.mesh, step));
     }
+    // By positions: corners that a step of the lattice brought together still have indices of their own.
     let cleaned = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
     let total = step.then(&cleaned.bound);
     // A collapsed triangle is no farther from its neighbours than rounding moved it. If more would be lost, all stay.
@@ -376,6 +386,7 @@ impl PartBudget {
         let pixels = simplified.bound.pixels?;
         // The result may extend beyond the original box.
         let own = [simplified.shape.mesh.bounds()];
+        // Only a part in world coordinates has a budget in pixels, so that its own box is its box in the scene.
         let now = if self.budget.pixels.is_some() { &own } else { self.boxes.as_slice() };
         let rounded = if snapped == 0.0 || place_error == 0.0 {
             snapped + place_error
@@ -445,6 +456,7 @@ fn view_budgets(
             if place_error == 0.0 || lost == 0.0 { lost + place_error } else { add_up(lost, place_error) };
         let mut remaining = Budget::default();
         for place in boxes.iter().filter(|place| !place.is_empty()) {
+            // By placement, since the same rounding is more pixels in the one that is nearest to the eye.
             let here = MeshRequest::new(limits, *to, *place).reserve_rounding(ROOM_TO_THE_EYE * lost)?;
             if is_as_it_is {
                 remaining = here;
@@ -562,6 +574,7 @@ pub(crate) fn simplify_mesh(
 /// they matter most.
 fn triangle_shares(scene: &Scene, (most, effort): (u64, Effort), job: &Job) -> Result<Vec<u64>, MeshFailure> {
     let n_parts = scene.parts.len();
+    // One placement shows one part: the others, which no node shows, may keep as many.
     if placements::n_places(scene) == 1 {
         return Ok(vec![most; n_parts]);
     }
