@@ -13,9 +13,9 @@
 //!
 //! let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
 //! let budget = Budget::length(Tolerance::new(1e-3)?);
-//! let made = convert::curve_to_polyline(&arch.into(), &budget, &Job::default()).expect("reachable");
-//! assert!(made.shape.points.len() < 32);
-//! assert!(*made.bound.evidence() == Evidence::Proved && made.bound.at_most().unwrap() <= 1e-3);
+//! let bounded = convert::curve_to_polyline(&arch.into(), &budget, &Job::default()).expect("reachable");
+//! assert!(bounded.shape.points.len() < 32);
+//! assert!(*bounded.bound.evidence() == Evidence::Proved && bounded.bound.at_most().unwrap() <= 1e-3);
 //! # Ok::<(), chordal::budget::InvalidTolerance>(())
 //! ```
 //!
@@ -30,8 +30,8 @@
 //!     patch.control[i][j][2] = 0.5;
 //! }
 //! let budget = Budget::length(Tolerance::new(1e-3)?);
-//! let made = convert::patches_to_mesh(&[patch], &budget, &Job::default()).expect("reachable");
-//! assert!(made.bound.at_most().unwrap() <= 1e-3);
+//! let bounded = convert::patches_to_mesh(&[patch], &budget, &Job::default()).expect("reachable");
+//! assert!(bounded.bound.at_most().unwrap() <= 1e-3);
 //! # Ok::<(), chordal::budget::InvalidTolerance>(())
 //! ```
 //!
@@ -44,8 +44,8 @@
 //!
 //! let block = cuboid([2.0, 2.0, 1.0])?.difference(&cylinder(0.4, 2.0)?);
 //! let budget = Budget::length(Tolerance::new(0.01)?);
-//! let made = convert::field_to_mesh(&block, &budget, &Job::default()).expect("reachable");
-//! assert!(made.shape.faces().len() < 200 && made.bound.at_most().unwrap() <= 0.01);
+//! let bounded = convert::field_to_mesh(&block, &budget, &Job::default()).expect("reachable");
+//! assert!(bounded.shape.faces().len() < 200 && bounded.bound.at_most().unwrap() <= 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -60,11 +60,11 @@
 //! let job = Job::default();
 //! let length = |length| Tolerance::new(length).map(Budget::length);
 //! let fine = convert::field_to_mesh(&sphere(1.0)?, &length(0.005)?, &job).expect("reachable").shape;
-//! let made = lod::simplify(&fine, &length(0.05)?, Topology::Indices, &job).expect("reachable");
-//! assert!(2 * made.shape.mesh.faces().len() < fine.faces().len());
+//! let bounded = lod::simplify(&fine, &length(0.05)?, Topology::Indices, &job).expect("reachable");
+//! assert!(2 * bounded.shape.mesh.faces().len() < fine.faces().len());
 //!
-//! let found = check::deviation(&made.shape.mesh, &fine, &check::Goal::default(), &job)?;
-//! assert!(found.bound.at_least() <= 0.05 && found.bound.at_most().unwrap() < 0.056);
+//! let deviation = check::deviation(&bounded.shape.mesh, &fine, &check::Goal::default(), &job)?;
+//! assert!(deviation.bound.at_least() <= 0.05 && deviation.bound.at_most().unwrap() < 0.056);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -26,8 +26,11 @@ export interface Texts extends CommonTexts {
   patient: string;
   patients: Record<Patient, string>;
   label: string;
+  /** Below the picture: the mesh has no inside. */
   sick: string;
+  /** Below the picture: it has an inside, but some defects are left. */
   left: string;
+  /** Below the picture: no defect is left. */
   well(volume: string): string;
   findings: string;
   nothing: string;
@@ -37,6 +40,7 @@ export interface Texts extends CommonTexts {
   done: string;
   changed(what: string, n: string): string;
   comma: string;
+  /** The end of a repair's report if no point moved. */
   still: string;
   moved(n: string): string;
   undo: string;

@@ -51,8 +51,8 @@ pub struct BooleanOperand {
 /// };
 /// let other = BooleanOperand { op: BooleanOp::Difference, name: "b.obj".into(), input: tetrahedron(0.5)? };
 /// let spec = BudgetSpec::default();
-/// let made = mesh_boolean(tetrahedron(0.0)?, vec![other], &spec, Format::Ply, &Default::default())?;
-/// assert!(made.certificate.valid.unwrap().counts.closed);
+/// let outcome = mesh_boolean(tetrahedron(0.0)?, vec![other], &spec, Format::Ply, &Default::default())?;
+/// assert!(outcome.certificate.valid.unwrap().counts.closed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mesh_boolean(

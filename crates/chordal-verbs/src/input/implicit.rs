@@ -75,8 +75,8 @@ impl ImplicitShape {
     /// use chordal_verbs::{FormatHint, Shape, load};
     /// let script = b"arm = move(box(9, 2, 2), 5, 0, 0)\nunion([rotate_z(arm, 90 * k) for k in range(4)])\n";
     /// let hint = FormatHint { name: Some("cross.star"), ..FormatHint::default() };
-    /// let Shape::Field(made) = load(script, hint, &Default::default())?.shape else { panic!("a field") };
-    /// let lines = made.shapes_by_line();
+    /// let Shape::Field(field) = load(script, hint, &Default::default())?.shape else { panic!("a field") };
+    /// let lines = field.shapes_by_line();
     /// assert_eq!(lines.iter().map(|one| one.line).collect::<Vec<_>>(), [1, 2]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -132,9 +132,9 @@ pub fn join_input(input: Input, parts: &[&Input]) -> Result<Input, WriteError> {
 /// use chordal_io::Format;
 /// use chordal_verbs::{Frame, Input, Scene, Shape, convert, made_of};
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
-/// let mut made = Input::made(Shape::Scene(Scene::from_mesh("triangle", mesh, Frame::default())), Format::Ply);
-/// made.composed = Some(made_of(&made, "volume", &Bound::proved(0.0, 0.5, Reference::Trilinear))?.into());
-/// let total = convert(made, Format::Ply)?.certificate.history.unwrap().total.unwrap();
+/// let mut input = Input::made(Shape::Scene(Scene::from_mesh("triangle", mesh, Frame::default())), Format::Ply);
+/// input.composed = Some(made_of(&input, "volume", &Bound::proved(0.0, 0.5, Reference::Trilinear))?.into());
+/// let total = convert(input, Format::Ply)?.certificate.history.unwrap().total.unwrap();
 /// assert_eq!((total.at_most, &total.reference[..]), (Some(0.5), "trilinear interpolant"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -25,10 +25,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// let room = Box3 { min: [-2.0; 3], max: [2.0; 3] };
 /// let mesher = SolidMesher { length: Tolerance::new(0.01)?, room };
 /// let [wide, high] = [[2.0, 2.0, 1.0], [1.0, 1.0, 2.0]]
-///     .map(|sides| mesher.mesh(&SolidForm::Cuboid { half: sides }).map(|made| made.shape).unwrap_or_default());
+///     .map(|sides| mesher.mesh(&SolidForm::Cuboid { half: sides }).map(|bounded| bounded.shape).unwrap_or_default());
 /// let step = BooleanStep { op: BooleanOp::Union, mesh: &high };
-/// let made = boolean_unchecked(&wide, &[step], None, &Job::default())?;
-/// assert!(chordal::check::validity(&made, chordal::explicit::Topology::Indices).closed);
+/// let combined = boolean_unchecked(&wide, &[step], None, &Job::default())?;
+/// assert!(chordal::check::validity(&combined, chordal::explicit::Topology::Indices).closed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -38,10 +38,10 @@ const HALVINGS: u32 = 40;
 /// ```
 /// use chordal::{Bezier, Budget, Job, check, convert};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
-/// let made = convert::curve_to_polyline_evenly(&arch.into(), &Budget::segments(1), &Job::default()).unwrap();
-/// let gap = check::curves::largest_gap(&arch.into(), &made.shape).unwrap();
+/// let bounded = convert::curve_to_polyline_evenly(&arch.into(), &Budget::segments(1), &Job::default()).unwrap();
+/// let gap = check::curves::largest_gap(&arch.into(), &bounded.shape).unwrap();
 /// assert_eq!(gap.on_curve, [0.5, 0.75]);
-/// assert_eq!((gap.distance, made.bound.at_most().unwrap() > 0.75), (0.75, true));
+/// assert_eq!((gap.distance, bounded.bound.at_most().unwrap() > 0.75), (0.75, true));
 /// ```
 #[must_use]
 pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> Option<Gap<D>> {

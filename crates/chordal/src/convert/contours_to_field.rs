@@ -32,10 +32,10 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 /// use chordal::{Job, convert::contours_to_field};
 /// // A bow-tie: its sides cross in (1, 1).
 /// let bow_tie = vec![[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]];
-/// let made = contours_to_field(&[bow_tie], FillRule::EvenOdd, &Job::default()).expect("it encloses something");
-/// assert!(made.bound.at_most().unwrap() < 1e-9);
-/// assert!(made.shape.expr().at([0.25, 1.0, 0.0]).unwrap() < 0.0);
-/// assert_eq!(made.shape.expr().at([1.0, 2.0, 0.0]).unwrap(), libm::sqrt(0.5));
+/// let bounded = contours_to_field(&[bow_tie], FillRule::EvenOdd, &Job::default()).expect("it encloses something");
+/// assert!(bounded.bound.at_most().unwrap() < 1e-9);
+/// assert!(bounded.shape.expr().at([0.25, 1.0, 0.0]).unwrap() < 0.0);
+/// assert_eq!(bounded.shape.expr().at([1.0, 2.0, 0.0]).unwrap(), libm::sqrt(0.5));
 /// ```
 pub fn contours_to_field(
     contours: &[Vec<[f64; 2]>],

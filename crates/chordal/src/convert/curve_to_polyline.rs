@@ -58,8 +58,8 @@ pub fn curve_to_polyline<const D: usize>(
 /// use chordal::{Bezier, Budget, Job, convert};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
 /// let even = |n| {
-///     let made = convert::curve_to_polyline_evenly(&arch.into(), &Budget::segments(n), &Job::default()).unwrap();
-///     made.bound.at_most().unwrap()
+///     let bounded = convert::curve_to_polyline_evenly(&arch.into(), &Budget::segments(n), &Job::default()).unwrap();
+///     bounded.bound.at_most().unwrap()
 /// };
 /// assert!((even(64) / even(128) - 4.0).abs() < 0.1); // twice the segments, a quarter of the error
 /// ```

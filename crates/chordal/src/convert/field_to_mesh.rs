@@ -59,9 +59,9 @@ use crate::math::{flushes_subnormals, lesser};
 /// let [x, y, z] = Expr::axes();
 /// let ball = Field::new((x.square() + y.square() + z.square()).sqrt() - 1.0)
 ///     .with_bounds(Box3 { min: [-1.0; 3], max: [1.0; 3] });
-/// let made = convert::field_to_mesh(&ball, &Budget::length(Tolerance::new(0.01)?), &Job::default())?;
-/// assert!(made.bound.at_most().unwrap() <= 0.01);
-/// assert!(check::validity(&made.shape, Topology::Indices).closed);
+/// let bounded = convert::field_to_mesh(&ball, &Budget::length(Tolerance::new(0.01)?), &Job::default())?;
+/// assert!(bounded.bound.at_most().unwrap() <= 0.01);
+/// assert!(check::validity(&bounded.shape, Topology::Indices).closed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

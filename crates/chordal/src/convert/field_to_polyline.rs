@@ -39,9 +39,9 @@ use crate::math::{Box3, flushes_subnormals, lesser};
 /// let [x, y, _] = Expr::axes();
 /// let ring = ((x.square() + y.square()).sqrt() - 0.75).abs() - 0.125;
 /// let ring = Field::new(ring).with_bounds(Box3 { min: [-1.0; 3], max: [1.0; 3] });
-/// let made = field_to_polyline(&ring, &Budget::length(Tolerance::new(1e-3)?), &Job::default())?; // a thousandth
-/// assert!(made.shape.len() == 2 && made.shape.iter().all(|line| line.closed));
-/// assert!(made.bound.at_most().unwrap() <= 1e-3); // a thousandth
+/// let bounded = field_to_polyline(&ring, &Budget::length(Tolerance::new(1e-3)?), &Job::default())?; // a thousandth
+/// assert!(bounded.shape.len() == 2 && bounded.shape.iter().all(|line| line.closed));
+/// assert!(bounded.bound.at_most().unwrap() <= 1e-3); // a thousandth
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

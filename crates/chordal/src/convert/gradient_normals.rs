@@ -28,8 +28,8 @@ const INTO: f64 = 1.0 / 32.0;
 /// use chordal::implicit::shapes::sphere;
 /// use chordal::{Budget, Job, Tolerance, convert};
 /// let ball = sphere(1.0)?;
-/// let made = convert::field_to_mesh(&ball, &Budget::length(Tolerance::new(0.05)?), &Job::default())?;
-/// let mesh = convert::with_gradient_normals(&made.shape, &ball, &Job::default())?;
+/// let bounded = convert::field_to_mesh(&ball, &Budget::length(Tolerance::new(0.05)?), &Job::default())?;
+/// let mesh = convert::with_gradient_normals(&bounded.shape, &ball, &Job::default())?;
 /// let normals = mesh.attribute(&Semantic::Normal).expect("one for each vertex");
 /// let (p, n) = (mesh.positions()[0], normals.row(0));
 /// assert!((0..3).all(|k| (p[k] - n[k]).abs() < 1e-6)); // half a crossing's bracket, measured

@@ -53,9 +53,9 @@ use crate::math::{Box3, add_up, cross, dot, flushes_subnormals, greater, length,
 /// let mut mask = vec![0_u8; 27];
 /// mask[13] = 1;
 /// let grid = Grid::new([3; 3], Samples::U8(mask), Affine3::IDENTITY)?;
-/// let made = grid_to_mesh(&grid, &Polygonize::above(0.5), None, &Job::default()).expect("a surface");
-/// assert_eq!((made.shape.positions().len(), made.shape.faces().len()), (6, 8));
-/// assert!(made.bound.at_most().is_some());
+/// let bounded = grid_to_mesh(&grid, &Polygonize::above(0.5), None, &Job::default()).expect("a surface");
+/// assert_eq!((bounded.shape.positions().len(), bounded.shape.faces().len()), (6, 8));
+/// assert!(bounded.bound.at_most().is_some());
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
 ///

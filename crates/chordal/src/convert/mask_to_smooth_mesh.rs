@@ -53,9 +53,9 @@ const LARGEST: f64 = 32.0;
 /// let inside = |at: i32| [at % 16, at / 16 % 16, at / 256].map(|i| (2 * i - 15).pow(2)).iter().sum::<i32>() < 100;
 /// let mask = Samples::U8((0..16 * 16 * 16).map(|at| u8::from(inside(at))).collect());
 /// let grid = Grid::new([16; 3], mask, Affine3::IDENTITY)?;
-/// let made = mask_to_smooth_mesh(&grid, &Polygonize::above(0.5), [1.0; 3], &Job::default()).expect("a ball");
-/// assert!(made.shape.changed < made.shape.inside / 4);
-/// assert!(made.bound.at_most().unwrap() < 1.0);
+/// let bounded = mask_to_smooth_mesh(&grid, &Polygonize::above(0.5), [1.0; 3], &Job::default()).expect("a ball");
+/// assert!(bounded.shape.changed < bounded.shape.inside / 4);
+/// assert!(bounded.bound.at_most().unwrap() < 1.0);
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
 ///

@@ -124,10 +124,10 @@ impl fmt::Display for SolidReport {
 /// use chordal::{Job, Mesh, convert::mesh_to_field};
 /// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
 /// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-/// let made = mesh_to_field(&Mesh::new(corners.clone(), faces.clone()).unwrap(), &Job::default())?;
-/// assert!(made.solid.is_solid());
-/// assert_eq!(made.field.expr().at([0.25, 0.25, -2.0]).unwrap(), 2.0);
-/// assert_eq!(made.field.expr().at([0.25, 0.25, 0.125]).unwrap(), -0.125);
+/// let converted = mesh_to_field(&Mesh::new(corners.clone(), faces.clone()).unwrap(), &Job::default())?;
+/// assert!(converted.solid.is_solid());
+/// assert_eq!(converted.field.expr().at([0.25, 0.25, -2.0]).unwrap(), 2.0);
+/// assert_eq!(converted.field.expr().at([0.25, 0.25, 0.125]).unwrap(), -0.125);
 ///
 /// let open = mesh_to_field(&Mesh::new(corners, faces[1..].to_vec()).unwrap(), &Job::default())?;
 /// assert!(open.solid.to_string().starts_with("the mesh is not a solid: 3 edges have one triangle only"));

@@ -113,9 +113,9 @@ impl GpuBuffers {
 /// use chordal::{Job, Mesh, convert};
 /// let far = vec![[1e6, 0.0, 0.1], [1e6 + 1.0, 0.0, 0.1], [1e6, 1.0, 0.1]];
 /// let mesh = Mesh::new(far, vec![[0, 1, 2]]).unwrap();
-/// let made = convert::gpu::mesh_to_gpu_buffers(&mesh, &Job::default()).unwrap();
-/// assert_eq!((made.shape.origin, made.shape.bytes()), ([1e6 + 0.5, 0.5, 0.1], 3 * 12 + 6));
-/// assert_eq!(made.bound.at_most(), Some(0.0));
+/// let bounded = convert::gpu::mesh_to_gpu_buffers(&mesh, &Job::default()).unwrap();
+/// assert_eq!((bounded.shape.origin, bounded.shape.bytes()), ([1e6 + 0.5, 0.5, 0.1], 3 * 12 + 6));
+/// assert_eq!(bounded.bound.at_most(), Some(0.0));
 /// ```
 pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>, Failure<GpuBuffers>> {
     if mesh.faces().is_empty() {

@@ -93,9 +93,9 @@ pub fn nurbs_to_patches(
 /// ```
 /// use chordal::{Budget, Job, Tolerance, check, convert, explicit::{Topology, nurbs::NurbsSurface}};
 /// let torus = NurbsSurface::torus(2.0, 0.5)?;
-/// let made = convert::nurbs_to_mesh(&[torus], &Budget::length(Tolerance::new(1e-2).unwrap()), &Job::default()).unwrap();
-/// assert!(made.bound.at_most().unwrap() <= 1e-2);
-/// assert!(check::validity(&made.shape, Topology::Positions).closed);
+/// let bounded = convert::nurbs_to_mesh(&[torus], &Budget::length(Tolerance::new(1e-2).unwrap()), &Job::default()).unwrap();
+/// assert!(bounded.bound.at_most().unwrap() <= 1e-2);
+/// assert!(check::validity(&bounded.shape, Topology::Positions).closed);
 /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
 /// ```
 pub fn nurbs_to_mesh(

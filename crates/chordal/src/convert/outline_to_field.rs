@@ -29,8 +29,8 @@ use crate::implicit::Field;
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
 /// let outline = Outline { contours: vec![arch.into()], rule: FillRule::NonZero };
 /// let budget = Budget::length(Tolerance::new(1e-3).unwrap());
-/// let made = outline_to_field(&outline, &budget, &Job::default()).unwrap();
-/// let solid = made.shape.extruded(0.5).unwrap();
+/// let bounded = outline_to_field(&outline, &budget, &Job::default()).unwrap();
+/// let solid = bounded.shape.extruded(0.5).unwrap();
 /// let depth = -solid.expr().at([0.5, 0.5, 0.0]).unwrap();
 /// assert!((depth - 0.25).abs() < 1e-3);
 /// ```

@@ -40,8 +40,8 @@ use crate::math::{Box3, add_up, greater, lesser, sub_down};
 /// };
 /// let ring = Outline { contours: vec![circle(2.0), circle(1.0)], rule: FillRule::EvenOdd };
 /// let budget = Budget::length(Tolerance::new(1e-3).unwrap());
-/// let made = convert::outlines_to_mesh(&[ring], &budget, &Job::default()).unwrap();
-/// let area = chordal::check::findings::measure(&made.shape).area;
+/// let bounded = convert::outlines_to_mesh(&[ring], &budget, &Job::default()).unwrap();
+/// let area = chordal::check::findings::measure(&bounded.shape).area;
 /// assert!((area - 3.0 * std::f64::consts::PI).abs() < 1e-3 * 6.0 * std::f64::consts::PI);
 /// ```
 ///

@@ -30,9 +30,9 @@ use crate::implicit::{DistanceQuality, Field};
 /// let half = |at: f64| cuboid([4.0, 2.0, 2.0])?.moved([at, 0.0, 0.0]);
 /// let bar = half(-2.0)?.union(&half(2.0)?);
 /// assert_eq!(bar.expr().at([0.0; 3])?, 0.0);
-/// let made = redistance(&bar, Tolerance::new(0.01)?, &Job::default()).expect("it is meshed");
-/// let off = made.bound.at_most().unwrap();
-/// assert!(off <= 0.01 && (made.shape.expr().at([0.0; 3])? + 1.0).abs() <= off + 1e-12);
+/// let bounded = redistance(&bar, Tolerance::new(0.01)?, &Job::default()).expect("it is meshed");
+/// let most = bounded.bound.at_most().unwrap();
+/// assert!(most <= 0.01 && (bounded.shape.expr().at([0.0; 3])? + 1.0).abs() <= most + 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn redistance(field: &Field, tolerance: Tolerance, job: &Job) -> Result<Bounded<Field>, Failure<Mesh>> {

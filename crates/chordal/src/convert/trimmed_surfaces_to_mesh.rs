@@ -49,9 +49,9 @@ const CLOSE: f64 = 0.9;
 /// };
 /// let faces = [side.into(), lid(2.0)?, lid(0.0)?.flipped()];
 /// let budget = Budget::length(Tolerance::new(1e-2)?);
-/// let made = convert::trimmed_surfaces_to_mesh(&faces, &budget, &Job::default()).unwrap();
-/// assert!(made.bound.at_most().unwrap() <= 1e-2);
-/// assert!(check::validity(&made.shape, Topology::Positions).closed);
+/// let bounded = convert::trimmed_surfaces_to_mesh(&faces, &budget, &Job::default()).unwrap();
+/// assert!(bounded.bound.at_most().unwrap() <= 1e-2);
+/// assert!(check::validity(&bounded.shape, Topology::Positions).closed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn trimmed_surfaces_to_mesh(

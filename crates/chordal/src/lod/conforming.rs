@@ -56,12 +56,12 @@ type ConformingMeshes = Vec<Bounded<Mesh>>;
 /// let labels = (0..12 * 12 * 12).map(|at| if at % 12 < 6 { 1 } else { 2 }).collect();
 /// let grid = Grid::new([12; 3], Samples::U8(labels), Affine3::IDENTITY)?;
 /// let labels = labels_to_meshes(&grid, &LabelOptions::default(), &Job::default()).expect("labels");
-/// let meshes: Vec<Mesh> = labels.into_iter().map(|(_, made)| made.shape).collect();
+/// let meshes: Vec<Mesh> = labels.into_iter().map(|(_, part)| part.shape).collect();
 /// let budget = Budget::length(Tolerance::new(1e-6)?);
-/// let made = simplify_conforming(&meshes, &budget, &Job::default()).expect("reachable");
-/// assert!(made.bound.at_most().unwrap() <= 1e-6);
+/// let bounded = simplify_conforming(&meshes, &budget, &Job::default()).expect("reachable");
+/// assert!(bounded.bound.at_most().unwrap() <= 1e-6);
 /// // Of 528 triangles each, 242 of them shared.
-/// assert!(made.shape.iter().all(|made| made.shape.faces().len() < 300));
+/// assert!(bounded.shape.iter().all(|simplified| simplified.shape.faces().len() < 300));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

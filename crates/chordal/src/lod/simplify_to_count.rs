@@ -77,8 +77,8 @@ const MOST_RETRIES: u32 = 6;
 /// let positions = (0..21).flat_map(row).collect();
 /// let cell = |i: u32| (0..20).flat_map(move |j| { let a = 21 * i + j; [[a, a + 21, a + 22], [a, a + 22, a + 1]] });
 /// let mesh = Mesh::new(positions, (0..20).flat_map(cell).collect())?;
-/// let made = |effort| simplify_to_count(&mesh, 40, effort, Topology::Indices, &Job::default()).expect("reachable");
-/// let (best, fast) = (made(Effort::Best), made(Effort::Fast));
+/// let simplified = |effort| simplify_to_count(&mesh, 40, effort, Topology::Indices, &Job::default()).expect("reachable");
+/// let (best, fast) = (simplified(Effort::Best), simplified(Effort::Fast));
 /// assert!(best.shape.mesh.faces().len() <= 40 && fast.shape.mesh.faces().len() <= 40);
 /// assert!(best.bound.at_most() <= fast.bound.at_most());
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -42,10 +42,10 @@ const WIDTHS: [f64; 3] = [3.0, 1.5, 0.75];
 /// ```
 /// use chordal::{Bezier, Job, render::{RenderOptions, drawings::render_comb}};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
-/// let made = render_comb(&[arch.into()], &RenderOptions::sized(80, 60), &Job::default())?;
-/// assert_eq!(made.picture.width, 80);
+/// let comb = render_comb(&[arch.into()], &RenderOptions::sized(80, 60), &Job::default())?;
+/// assert_eq!(comb.picture.width, 80);
 /// // In the middle: the first derivative is (3/2, 0), the second (0, -6).
-/// assert!((made.most - 6.0 / 2.25).abs() < 1e-12);
+/// assert!((comb.most - 6.0 / 2.25).abs() < 1e-12);
 /// # Ok::<(), chordal::budget::JobError>(())
 /// ```
 pub fn render_comb(paths: &[Curve<2>], options: &RenderOptions, job: &Job) -> Result<CombPicture, JobError> {

@@ -191,9 +191,9 @@ const CHUNK: usize = 256;
 /// ```
 /// use chordal::{Bezier, Job, Tolerance, convert::{self, Spacing}};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
-/// let made = convert::batch::beziers_to_polylines(&[arch; 3], Tolerance::new(0.01)?, &Job::default(), Spacing::Fewest)?;
-/// assert_eq!(made.shape.starts, [0, 10, 20, 30]);
-/// assert_eq!(made.shape.polyline(2).last(), Some(&[1.0, 0.0]));
+/// let bounded = convert::batch::beziers_to_polylines(&[arch; 3], Tolerance::new(0.01)?, &Job::default(), Spacing::Fewest)?;
+/// assert_eq!(bounded.shape.starts, [0, 10, 20, 30]);
+/// assert_eq!(bounded.shape.polyline(2).last(), Some(&[1.0, 0.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn beziers_to_polylines<const D: usize>(

@@ -46,8 +46,8 @@ const VERY_FEW: usize = 64;
 ///     [2, 4, 6], [1, 3, 5], [3, 7, 5]];
 /// let mesh = Mesh::new((0..8).map(corners).collect(), faces)?;
 /// let goal = (Tolerance::new(0.01)?, RequiredEvidence::Proved);
-/// let made = judged_against_field(&mut std::iter::once(mesh), &cuboid([2.0; 3])?, goal, &Job::default());
-/// assert!(made.is_ok());
+/// let judged = judged_against_field(&mut std::iter::once(mesh), &cuboid([2.0; 3])?, goal, &Job::default());
+/// assert!(judged.is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn judged_against_field(

@@ -62,11 +62,11 @@ impl SolidMesher {
     /// use chordal::implicit::{construction::ConstructionNode, shapes};
     /// use chordal::{Tolerance, check};
     /// let drill = shapes::cylinder(2.0, 10.0)?;
-    /// let Some(ConstructionNode::Solid(form)) = drill.construction().map(|made| made.node()) else { panic!() };
+    /// let Some(ConstructionNode::Solid(form)) = drill.construction().map(|construction| construction.node()) else { panic!() };
     /// let mesher = SolidMesher { length: Tolerance::new(0.01)?, room: drill.bounds() };
-    /// let made = mesher.mesh(form).expect("a cylinder has a mesh");
-    /// assert!(made.bound.at_most().unwrap() <= 0.01);
-    /// let volume = check::findings::measure(&made.shape).signed_volume;
+    /// let bounded = mesher.mesh(form).expect("a cylinder has a mesh");
+    /// assert!(bounded.bound.at_most().unwrap() <= 0.01);
+    /// let volume = check::findings::measure(&bounded.shape).signed_volume;
     /// assert!((volume - 40.0 * std::f64::consts::PI).abs() < 1.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

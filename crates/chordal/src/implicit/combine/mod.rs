@@ -137,8 +137,8 @@ impl Field {
     /// let red = SurfaceMaterial { name: "red".into(), color: [1.0, 0.0, 0.0, 1.0], metallic: 0.0, roughness: 0.5 };
     /// let both = sphere(1.0)?.with_material(red.clone()).union(&sphere(1.0)?.moved([1.0, 0.0, 0.0])?);
     /// assert_eq!(both.materials(), [red]);
-    /// let made = convert::field_to_mesh(&both, &Budget::length(Tolerance::new(0.05)?), &Job::default())?;
-    /// let numbers = made.shape.attribute(&Semantic::Group("material".into())).expect("one for each face");
+    /// let bounded = convert::field_to_mesh(&both, &Budget::length(Tolerance::new(0.05)?), &Job::default())?;
+    /// let numbers = bounded.shape.attribute(&Semantic::Group("material".into())).expect("one for each face");
     /// assert!(numbers.values.contains(&1.0) && numbers.values.contains(&0.0)); // 0 is none
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
