@@ -175,8 +175,8 @@ impl CellProver<'_> {
         let size =
             |k: usize| (steps[0][k] * d[0]).abs() + (steps[1][k] * d[1]).abs() + (steps[2][k] * d[2]).abs();
         // Five roundings for each coordinate, relative to the sum of sizes.
-        let off = 8.0 * f64::EPSILON * (size(0) + size(1) + size(2));
-        (length(along) + off) * ABOVE
+        let rounding = 8.0 * f64::EPSILON * (size(0) + size(1) + size(2));
+        (length(along) + rounding) * ABOVE
     }
 
     /// The triangles of a cell, including those of its squares in capped borders.

@@ -59,7 +59,7 @@ pub(in crate::convert) fn smoothed_sides(
         return Err(JobError::Cancelled);
     }
     // 2. Along the last index.
-    let made = par_map(job, &planes, |_, k| {
+    let smoothed = par_map(job, &planes, |_, k| {
         let mut sums: Vec<f64> = across[*k].iter().map(|value| weights[2][0] * f64::from(*value)).collect();
         for (distance, weight) in weights[2].iter().enumerate().skip(1) {
             let (low, high) = (&across[k.saturating_sub(distance)], &across[(k + distance).min(nz - 1)]);
@@ -69,5 +69,5 @@ pub(in crate::convert) fn smoothed_sides(
         }
         sums.into_iter().map(|sum| sum as f32).collect::<Vec<f32>>()
     });
-    Ok(made.concat())
+    Ok(smoothed.concat())
 }
