@@ -144,21 +144,21 @@ fn largest<G: SampleGrid>(grid: &G, band: f64, judge: &BrickJudge<'_>, job: &Job
 const BATCH: usize = 2048;
 
 /// A bound for the difference between the interpolant of distances and the distance, at any point of a cell, if the error
-/// of no sample exceeds `off`.
+/// of no sample exceeds `sample_error`.
 ///
 /// Derived: a signed distance changes by no more than the point moves. With the weights w of the corners c of the
 /// cell, |Σ w·v(c) − d(p)| ≤ Σ w·(|v(c) − d(c)| + |c − p|), and Σ w·|c − p| ≤ √(Σ w·|c − p|²), which is at most half
 /// the diagonal of the cell. The rounding of the samples' places counts as an error of the samples.
-pub(crate) fn interpolant_error<G: SampleGrid>(grid: &G, off: f64) -> f64 {
+pub(crate) fn interpolant_error<G: SampleGrid>(grid: &G, sample_error: f64) -> f64 {
     /// √3/2, rounded up.
     const HALF_DIAGONAL: f64 = 0.866_025_403_784_438_7;
     let (rows, size) = (grid.affine().rows(), grid.size());
-    let (mut spacing, mut far) = (0.0, 0.0);
+    let (mut spacing, mut reach) = (0.0, 0.0);
     for k in 0..3 {
         spacing = greater(rows[k][k].abs(), spacing);
-        far = greater(rows[k][k].abs() * size[k] as f64 + rows[k][3].abs(), far);
+        reach = greater(rows[k][k].abs() * size[k] as f64 + rows[k][3].abs(), reach);
     }
-    // Two roundings along each axis, of coordinates up to `far`.
-    let place_error = 4.0 * f64::EPSILON * far;
-    add_up(mul_up(HALF_DIAGONAL, spacing), add_up(off, place_error))
+    // Two roundings along each axis, of coordinates up to `reach`.
+    let position_error = 4.0 * f64::EPSILON * reach;
+    add_up(mul_up(HALF_DIAGONAL, spacing), add_up(sample_error, position_error))
 }

@@ -37,11 +37,11 @@ mod tests {
 
     #[test]
     fn defaults_are_those_that_help_names() {
-        let mut said = DeviationSpec::default();
+        let mut defaults = DeviationSpec::default();
         for row in DeviationSpec::ROWS {
-            row.default.map_or(Ok(()), |text| said.set(row.name, text)).expect("a default is a value");
+            row.default.map_or(Ok(()), |text| defaults.set(row.name, text)).expect("a default is a value");
         }
-        assert_eq!(said, DeviationSpec::default());
+        assert_eq!(defaults, DeviationSpec::default());
     }
 
     #[test]

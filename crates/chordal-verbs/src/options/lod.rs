@@ -30,10 +30,10 @@ pub struct LodOptions {
 
 /// The screen that levels are for unless another one is named.
 const USUAL_VIEW: &str = "1920x1080 fov=60";
-/// The most triangles of a tile unless said otherwise. Chosen: indices of 16 bits reach as many vertices, and a tile of them is
+/// The most triangles of a tile by default. Chosen: indices of 16 bits reach as many vertices, and a tile of them is
 /// loaded in a frame or two.
 const USUAL_TILE: u64 = 1 << 16;
-/// The most that may be said instead. Chosen: beyond any machine's memory, and so a slip.
+/// The most that may be given instead. Chosen: more are beyond any machine's memory, and so a slip.
 const LARGEST_TILE: u64 = 100_000_000;
 
 impl Default for LodOptions {
@@ -68,7 +68,7 @@ impl LodOptions {
     /// The request.
     ///
     /// # Errors
-    /// If the distance of the nearest eye is said twice.
+    /// If the distance of the nearest eye is given twice.
     pub fn spec(&self, container: LodContainer, packing: GltfPacking) -> Result<LodSpec, Message> {
         if self.view.has_distance && (self.nearest.is_some() || self.length.is_some()) {
             let message = Message::from("").setting(Setting::View);
@@ -213,12 +213,12 @@ mod tests {
 
     #[test]
     fn defaults_are_those_that_help_names() {
-        let mut said = LodOptions::default();
+        let mut defaults = LodOptions::default();
         for row in LodOptions::ROWS {
-            row.default.map_or(Ok(()), |text| said.set(row.name, text)).expect("a default is a value");
+            row.default.map_or(Ok(()), |text| defaults.set(row.name, text)).expect("a default is a value");
         }
         let spec = |options: &LodOptions| options.spec(LodContainer::Tiles, GltfPacking::default());
-        assert_eq!(spec(&said).ok(), spec(&LodOptions::default()).ok());
+        assert_eq!(spec(&defaults).ok(), spec(&LodOptions::default()).ok());
     }
 
     #[test]

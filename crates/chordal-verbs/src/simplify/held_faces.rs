@@ -46,15 +46,15 @@ impl HeldFaces {
         if held == 0 || held.saturating_mul(WORTH_SAYING) < self.after {
             return None;
         }
-        let mut off = Vec::new();
-        off.extend(limits.texcoord().map(|most| format!("texture coordinates by more than {most}")));
-        off.extend(limits.normal_deg().map(|most| format!("normals by more than {most}°")));
+        let mut changes = Vec::new();
+        changes.extend(limits.texcoord().map(|most| format!("texture coordinates by more than {most}")));
+        changes.extend(limits.normal_deg().map(|most| format!("normals by more than {most}°")));
         let share = 100 * held / self.before;
         let message = Message::from(format!(
             "{held} of {} triangles ({share} %) stay only because fewer would change {}, and {} would be left \
              otherwise; a larger ",
             self.before,
-            off.join(" or "),
+            changes.join(" or "),
             self.free
         ));
         let message = match (limits.texcoord(), limits.normal_deg()) {

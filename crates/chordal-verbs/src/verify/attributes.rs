@@ -347,9 +347,9 @@ impl AttributeComparison<'_> {
                 let reason = format!("{different} of {compared} corners have other values than in the input");
                 (reason, 2 * different > compared)
             }
-            (None, Some(off)) => {
-                let is_turned = is_direction(semantic) && off > TURNED_OVER_DEG;
-                (format!("it is off by {off:?} from the input, and nothing explains that"), is_turned)
+            (None, Some(difference)) => {
+                let is_turned = is_direction(semantic) && difference > TURNED_OVER_DEG;
+                (format!("it is off by {difference:?} from the input, and nothing explains that"), is_turned)
             }
             (None, None) => ("it cannot be compared with that of the input".to_owned(), false),
         };
