@@ -59,6 +59,7 @@ impl MeshConnectivity<'_> {
         let most = SHARE_OF_BOX * mesh.bounds().diagonal();
         let mut seams = OpenSeams::default();
         for (vertex, p) in vertices.iter().zip(&points) {
+            // Fine enough for this vertex; `longest` asks the same of the vertices at the other point.
             let within = lesser(SHARE_OF_EDGE * vertex.shortest, most);
             let mut nearest = f64::INFINITY;
             tree.near_segment([*p, *p], within, |j| {

@@ -47,6 +47,7 @@ impl MeshConnectivity<'_> {
         });
         let each = edge_of.into_values().flat_map(|(rows, h)| rows.into_iter().map(move |row| (row, h)));
         let mut each: Vec<(u32, u32)> = each.collect();
+        // No two of these rows have the same id, so the order is unique.
         each.sort_unstable_by_key(|(row, _)| self.id(*row));
         let mut finding = Finding::default();
         for (row, h) in each {
