@@ -322,9 +322,12 @@ impl ComparedPair {
             let near = most <= (1.0 + goal.relative) * least
                 || goal.absolute.is_some_and(|length| most <= least + length.get());
             let decided = goal.max.is_some_and(|max| least > max.get() || most <= max.get());
+            // Finer triangles were refused, or a volume has only those of its lattice: another round would repeat
+            // this one.
             let stuck = off >= last_off;
             last_off = off;
             if exact || decided || near && goal.max.is_none() || share <= FINEST || stuck {
+                // The distances of both meshes from their surfaces are in `off`, by which both ends were widened.
                 let mut bound = Bound::proved(least, most, reference);
                 bound.at = measured.bound.at;
                 let reached = if exact { measured.reached } else { near || decided };

@@ -156,6 +156,8 @@ fn draw_volume(
             let camera = match options.viewpoint {
                 Viewpoint::Camera(camera) => camera,
                 Viewpoint::Automatic(screen) => {
+                    // A camera is needed to turn pixels into a length, and a surface to place it: that of the lattice
+                    // itself is enough. Its notes are dropped, since the final surface gives them again.
                     let coarse = surface_of(sampled, Budget::default(), &mut Vec::new(), job)?.0;
                     frame(&*merged_parts::one_mesh(&coarse)?, options.up, screen)
                 }

@@ -206,6 +206,7 @@ fn bake_within(
     let mut tried = 0;
     for share in SHARES {
         let cells = cells_for(share);
+        // Several small shares give the same fewest cells.
         if cells == tried {
             continue;
         }
@@ -248,6 +249,7 @@ fn bake_within(
             break;
         }
     }
+    // The last one that was sampled, which is the finest: none has a bound yet to choose by.
     let Some(sampled) = best else {
         return Err(MeshFailure::refused(RefusalCode::Budget, "no lattice was tried"));
     };

@@ -155,6 +155,7 @@ impl SourceTriangles {
 impl SourceTriangles {
     /// Turns a bound against the triangles into one against the shape.
     pub fn then(&self, to_triangles: &Bound) -> Bound {
+        // The triangles are the shape: both ends stay as they are, and only the name of the reference changes.
         if self.bound.at_most() == Some(0.0) {
             let mut bound = to_triangles.clone();
             bound.reference = self.bound.reference.clone();

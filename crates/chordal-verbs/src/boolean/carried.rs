@@ -19,6 +19,7 @@ pub(super) fn scene_of(
 ) -> Result<Scene, MeshFailure> {
     let (groups, assets) = join_groups(&mut operands)?;
     let meshes: Vec<&Mesh> = operands.iter().map(|operand| &operand.mesh).collect();
+    // After the groups of all operands are numbered anew: merging keeps the numbers.
     let merged = merge(&meshes)?;
     if merged.is_partial {
         notes.push("vertex attributes that only some of the shapes have were left out".into());

@@ -146,7 +146,9 @@ pub fn convert_within(
     let mut certificate = Certificate::from_input(&input);
     certificate.verb = VerbFacts::Converted {};
     certificate.notes.extend(polygons_note(&input, to));
+    // After the history was taken from the certificate: from here on the shape has none.
     let left_out = left_out_certificate(&mut input.shape);
+    // A history that is continued has the bound of the old certificate in its sum, so that nothing is lost.
     certificate.notes.extend(left_out.filter(|_| !certificate.has_earlier_steps()));
     let bounds = input.shape.bounds()?;
     let length = length.map(|length| resolved(length, &input.shape)).transpose()?;

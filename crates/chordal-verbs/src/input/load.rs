@@ -202,6 +202,7 @@ fn load_from(
                 chordal_io::with_stem(name, hint.name).ok_or("the name of the first file is not known")?;
             let path = &*path;
             let bytes = open(path)?;
+            // A file that is named several times is one file of the input.
             if files.iter().all(|file| file.path != path) {
                 let n_bytes = bytes.len() as u64;
                 files.push(InputFile { path: path.to_owned(), n_bytes, sha256: sha256(&bytes) });

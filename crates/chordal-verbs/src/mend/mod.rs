@@ -288,6 +288,7 @@ impl RepairStep {
 
 /// A scene length in the coordinates of a part that is scaled by at most `stretch`.
 fn part_tolerance(within: Tolerance, stretch: f64) -> Result<Tolerance, MeshFailure> {
+    // A part that no node shows has no scale: its own coordinates count.
     if stretch == 0.0 || stretch == 1.0 {
         return Ok(within);
     }

@@ -34,6 +34,7 @@ pub(crate) fn finish_triangles(
         certificate.notes.extend(single_precision_note(&scene.parts));
     }
     certificate.notes.extend(losses(&scene, to)?.iter().map(Warning::counted));
+    // From here on rows are those of the file: what is counted, dropped and digested below is what a reader finds.
     let mut scene = to_file_rows(scene, to)?;
     if to.forbids_collapsed_faces() {
         let moved = drop_collapsed_faces(&mut scene)?;
@@ -135,6 +136,7 @@ pub(crate) fn drop_collapsed_faces(scene: &mut Scene) -> Result<Bound, MeshFailu
     let stretch = part_scales(scene);
     let mut bound = Bound::exact(Reference::InputTriangles);
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
+        // By indices: what the format forbids is a triangle with the same corner twice.
         let mended = mend::drop_collapsed(&part.mesh, Topology::Indices, &Job::default())?;
         if !mended.is_unchanged() {
             bound = max_bound(bound, &mended.bound, stretch)?;

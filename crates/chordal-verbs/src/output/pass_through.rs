@@ -31,6 +31,7 @@ pub(crate) fn pass_through(
     let stretch = placements::part_scales(&scene);
     let mut moved = 0.0;
     let mut n_collapsed = 0;
+    // A copy: poses are compared with those of the scene as it was, while its parts are replaced.
     let before = flatten::is_posed(&scene).then(|| scene.clone());
     let shown = before.as_ref().map(ShownParts::new);
     for (number, (part, stretch)) in scene.parts.iter_mut().zip(stretch).enumerate() {

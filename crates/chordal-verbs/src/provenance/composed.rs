@@ -63,6 +63,8 @@ impl Composed {
             let mut indices = Vec::with_capacity(part.inputs.len());
             for (k, input) in part.inputs.iter().enumerate() {
                 let (origin, size) = (&part.facts.origins[k], &part.sizes[k]);
+                // The digest only finds candidates: the same bytes may have been read as another kind, or with
+                // another history.
                 let same = numbers.entry(input.sha256.as_deref()).or_default();
                 let is_known = |at: &&usize| {
                     (&composed.inputs[**at], &composed.facts.origins[**at], &composed.sizes[**at])
@@ -80,6 +82,7 @@ impl Composed {
             for place in &part.facts.places {
                 let InputSize { reach, off } = &composed.sizes[indices[place.input]];
                 let (mut map, mut rounded) = (place.matrix(), 0.0);
+                // From the innermost map outwards: each one stretches the rounding of those before it.
                 for after in above.iter().rev() {
                     let (product, lost) = as_one_map(after, &map, *reach);
                     rounded = add(scaled_up(rounded, largest_stretch(after)), lost);

@@ -21,6 +21,7 @@ pub(crate) fn field_digest(implicit: &ImplicitShape) -> Option<String> {
 
 fn add_terms(digest: &mut Sha256Stream, expr: &Expr) -> Option<()> {
     let graph = ExprGraph::from_expr(expr);
+    // Several expressions follow each other in one digest: the number of terms says where one ends.
     digest.add(&[graph.terms().len() as u64]);
     for term in graph.terms() {
         match term {
@@ -35,6 +36,7 @@ fn add_terms(digest: &mut Sha256Stream, expr: &Expr) -> Option<()> {
 }
 
 fn add_operation(digest: &mut Sha256Stream, name: &str, operands: &[u32]) {
+    // By its name: a number would depend on the order of operations in the source, and the digest is in files.
     digest.add(&name.bytes().map(u64::from).collect::<Vec<_>>());
     digest.add(&operands.iter().map(|at| u64::from(*at)).collect::<Vec<_>>());
 }

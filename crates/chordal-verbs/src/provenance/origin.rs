@@ -67,6 +67,7 @@ fn history_of(input: &Input) -> Result<HistoryFacts, HistoryStart> {
     let Some(history) = certificate.get("history").filter(|history| !history.is_null()) else {
         return stop("no-history", "the certificate of the input is of a version without histories");
     };
+    // First the seal: all that follows believes what the certificate says.
     if certificate.get("seal").and_then(Value::as_str) != Some(&seal_of(certificate)) {
         return stop("seal", "the certificate of the input was edited: its seal does not match");
     }

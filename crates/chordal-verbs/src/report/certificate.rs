@@ -86,6 +86,7 @@ impl Certificate {
     /// of its geometry.
     pub(crate) fn conclude(&mut self, (kind, format): (&str, Format), geometry: Option<String>) {
         let boolean = self.verb.boolean();
+        // A boolean lists all of its operands, of which this origin is only the first one's.
         let composed = self.origin.composed.as_ref().filter(|_| boolean.is_none());
         let mut step = StepFacts {
             verb: self.verb.name().to_owned(),
@@ -110,6 +111,7 @@ impl Certificate {
             let reason = "the history is longer than this file holds: it begins at the input of this step";
             self.notes.push(reason.into());
             (steps, begins) = (Vec::new(), HistoryStart::new("long", reason));
+            // Without its parts the step reads the input as it is, whose digest is that of the triangles themselves.
             if step.composed.take().is_some() {
                 step.inputs = vec![self.input.of_step()];
             }

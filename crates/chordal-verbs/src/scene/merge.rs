@@ -69,6 +69,7 @@ fn merged_attribute(meshes: &[&Mesh], semantic: &Semantic) -> Option<Attribute> 
         for row in 0..n_rows {
             let row_values = attribute.row(source_row(mesh, attribute.domain, domain, row));
             values.extend_from_slice(row_values);
+            // Only rows of colours are ever shorter than the width, by their alpha: they are opaque.
             values.resize(values.len() + width - row_values.len(), 1.0);
         }
     }

@@ -83,6 +83,7 @@ impl PartPlacement {
 
     /// Composes this placement with a node's matrix.
     fn compose(&self, node: usize, matrix: &Matrix4, part: usize) -> Self {
+        // A product with the identity is exact: it adds no depth, and so no rounding.
         if *matrix == IDENTITY {
             return Self { node, part, ..*self };
         }
@@ -213,6 +214,7 @@ fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
 /// An upper bound for the largest factor by which the linear part M lengthens; 1 for a rotation, up to rounding. No
 /// eigenvalue of MᵀM exceeds the largest sum of absolute values in one of its rows, nor its trace.
 pub(crate) fn largest_stretch(m: &Matrix4) -> f64 {
+    // Exactly 1, so that moving a scene stretches no bound: the sums below are rounded up.
     if is_translation(m) {
         return 1.0;
     }
@@ -227,6 +229,7 @@ pub(crate) fn largest_stretch(m: &Matrix4) -> f64 {
 /// eigenvalue of MᵀM is less than the smallest entry of its diagonal minus the absolute values of the others in its row
 /// (Gershgorin).
 pub(crate) fn smallest_stretch(m: &Matrix4) -> f64 {
+    // Exactly 1, as for the largest factor: the sums below are rounded down.
     if is_translation(m) {
         return 1.0;
     }

@@ -123,6 +123,7 @@ fn moved_in_pose(
         return Ok(quick);
     }
     // 2. Otherwise the poses are compared like any two meshes.
+    // The rounding of both poses is added to what is measured, which therefore gets less than the limit.
     let max = limit.map(|limit| sub_down(limit, rounding)).and_then(|limit| Tolerance::new(limit).ok());
     let meshes = [is.posed(after)?, was.posed(before)?];
     match check::deviation(&meshes[0], &meshes[1], &Goal { max, ..Goal::default() }, job) {

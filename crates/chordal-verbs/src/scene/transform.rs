@@ -66,6 +66,7 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteE
     let longest = largest_stretch(matrix);
     let rounding = add_up(nodes_rounding(&moved), scaled_up(nodes_rounding(scene), longest));
     let shortest = smallest_stretch(matrix);
+    // Also for a scene that keeps its nodes: this refuses a map that is not affine, or leads out of range.
     let placed = moved.world_meshes()?;
     if is_plain(scene) {
         let mut parts = scene.parts.clone();
@@ -112,6 +113,7 @@ pub fn composed_bound(scene: &Scene, bounds: &[(usize, f64)]) -> f64 {
 fn is_plain(scene: &Scene) -> bool {
     let mut shown = vec![0_u32; scene.parts.len()];
     parts_in_order(scene).into_iter().for_each(|part| shown[part] += 1);
+    // Points and lines, cameras, joints and animations would stay behind if only the coordinates of triangles moved.
     let says_nothing = |node: &Node| *node.matrix == IDENTITY && node.properties.is_empty();
     let is_still = |part: &Part| !part.is_deformed() && part.marks.is_empty();
     let assets = &scene.assets;

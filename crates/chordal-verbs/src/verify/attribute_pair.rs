@@ -69,6 +69,7 @@ impl AttributePair {
         }
         let colors = read.iter().chain(&written).flat_map(Mesh::attributes);
         let colors = colors.filter(|attribute| matches!(attribute.semantic, Semantic::Color(_)));
+        // Formats add an opaque alpha, or leave it out: only the channels that all have are compared.
         let color_width = colors.map(|attribute| attribute.width).min().unwrap_or(0);
         for (side, turns_v) in [(&mut read, form.turns_v), (&mut written, false)] {
             for mesh in side {

@@ -105,9 +105,11 @@ impl<'a> BoundJudge<'a> {
         if claimed.metric == Metric::Parametric {
             return unable("the claim is for points of equal parameter, which the file does not hold");
         }
+        // A distance says nothing of sides, unless it is 0: then both surfaces are the same.
         if claimed.metric == Metric::Solid && claimed.at_most() != Some(0.0) {
             return unable("the claim is for sides, and there is no judge for these");
         }
+        // Only `bake` turns triangles into a volume: here the triangles are the reference.
         if let (Shape::Scene(read), Shape::Volume(written)) = (&self.reference.shape, &self.result.shape) {
             let mesh = JudgedMesh::new(read.clone())?;
             return self.against_volume((&mesh, written), &self.goal(max), claimed);
@@ -266,6 +268,7 @@ impl<'a> BoundJudge<'a> {
     ) -> Result<JudgedBound, MeshFailure> {
         let reference = JudgedMesh::new(read.clone())?;
         let moved = if mesh.moved == 0.0 { reference.moved } else { add_up(mesh.moved, reference.moved) };
+        // From the reference to the result, which is all that a one-sided claim says.
         if is_part_of(&reference.mesh, &mesh.mesh)
             && (claimed.metric == Metric::OneSided || is_part_of(&mesh.mesh, &reference.mesh))
         {
@@ -275,6 +278,7 @@ impl<'a> BoundJudge<'a> {
         let by_corners = corners_moved(&mesh.mesh, &reference.mesh);
         if let Some(most) = by_corners
             .map(|most| add_up(most, moved))
+            // It is only an upper end: it proves a claim, but cannot refute one, and does not come closer.
             .filter(|most| self.relative.is_none() && Some(*most) <= claimed.at_most())
         {
             return Ok(JudgedBound::Between(Bound::proved(0.0, most, Reference::InputTriangles)));

@@ -77,6 +77,8 @@ impl<'a> ProvedSteps<'a> {
         claims.decide("history/total", is_consistent, &flaw.unwrap_or_default());
         self.check_files(claims);
         self.check_start(claims)?;
+        // A history that contradicts itself is refuted by that. Its maps may even name inputs that it does not have,
+        // and these are looked up below.
         if is_consistent {
             self.check_steps(claims)?;
             self.check_total(claims)?;
@@ -198,6 +200,7 @@ impl<'a> ProvedSteps<'a> {
         let mut parts = Vec::with_capacity(step.inputs.len());
         for (k, (input, origin)) in step.inputs.iter().zip(&facts.origins).enumerate() {
             let Some(part) = self.find_input(input) else {
+                // Goes on, so that all missing files are named at once.
                 claims.open(name, not_given(step, input));
                 continue;
             };
@@ -301,6 +304,7 @@ impl<'a> ProvedSteps<'a> {
                 "the certificate states another unit or another axis that is up than its input",
             );
         }
+        // A step without a bound claims nothing.
         let Some(stated) = &step.bound else { return Ok(true) };
         let Some(bound) = stated.bound() else {
             claims.refute(&claim, "the bound in the certificate is not valid");
