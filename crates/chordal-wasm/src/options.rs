@@ -1,4 +1,4 @@
-//! `MeshCall`: a call of `mesh`, from its JSON. Its keys are the options of the tables that all shells read,
+//! `MeshCall`: a call of `mesh`, from its JSON. Its keys are the options of the tables that all front ends read,
 //! with `_` for `-`.
 use crate::spelling::JsonKeys;
 use chordal::budget::advice::Spell;

@@ -1,10 +1,10 @@
-//! No option of the command is spelled below the shells: sentences hold a `Setting`, and a shell spells it.
+//! No option of the command is spelled below the front ends: sentences hold a `Setting`, and a front end spells it.
 use crate::gates;
 
 use gates::lines::Lines;
 use gates::{Kind, Source, expect_none, sources};
 
-/// The crates below the shells.
+/// The crates below the front ends.
 const BELOW: [&str; 4] = ["chordal", "chordal-io", "chordal-verbs", "chordal-script"];
 
 /// Whether a text spells an option, or begins one: two hyphens before a letter, a placeholder or the end of a
@@ -27,7 +27,7 @@ fn spelled_options(source: &Source) -> Vec<String> {
     texts
         .chain(plain.map(|(line, comment)| (*line, comment.text.as_str())))
         .filter(|(_, text)| spells_option(text))
-        .map(|(line, _)| source.complain(line, "an option is spelled here: say `Setting`, shells spell it"))
+        .map(|(line, _)| source.complain(line, "an option is spelled here; front ends spell a `Setting`"))
         .collect()
 }
 

@@ -24,7 +24,7 @@ const UNSAFE: [&str; 5] = [
     "crates/chordal-cli/src/signal.rs",
 ];
 
-/// Crates that print nothing and reach for no file, socket or process; that is for shells.
+/// Crates that print nothing and reach for no file, socket or process; that is for front ends.
 const SILENT: [&str; 3] = ["crates/chordal/src/", "crates/chordal-io/src/", "crates/chordal-verbs/src/"];
 
 /// Everything that is wrong with a source file.

@@ -1,9 +1,9 @@
 //! `OptionRow`: what a user can set. Each option stands in one table, with its name, its values, its help, and how it
 //! changes a request.
 //!
-//! Every shell reads these tables: the command makes arguments of them, the Python package keywords, the web module
+//! Every front end reads these tables: the command makes arguments of them, the Python package keywords, the web module
 //! keys of JSON, and `docs/options.md` is written from them. A value is always a text as the command reads it, so that
-//! one parser judges it, whichever shell it comes from.
+//! one parser judges it, whichever front end it comes from.
 mod bake;
 mod convert;
 mod deviation;
@@ -46,7 +46,7 @@ pub trait OptionTable: Default + Send + Sync + 'static {
     /// The group of which one option has to be given, if there is one.
     const REQUIRED_GROUP: Option<&'static str> = None;
 
-    /// Options that rows refer to and that each shell has itself, since they name other shapes.
+    /// Options that rows refer to and that each front end has itself, since they name other shapes.
     const BESIDE: &'static [&'static str] = &[];
 
     /// The options, in the order in which help lists them.
@@ -245,7 +245,7 @@ impl<S> OptionRow<S> {
     }
 }
 
-/// The help of an option or of one of its words, with other options as a shell spells them: each by its name, and its
+/// The help of an option or of one of its words, with other options as a front end spells them: each by its name, and its
 /// value if it has one.
 #[must_use]
 pub fn spelled_help(help: &str, spell: impl Fn(&str, Option<&str>) -> String) -> String {

@@ -62,7 +62,7 @@ impl OptionTable for SurfaceSpec {
     ];
 }
 
-/// The refusal of an option for volumes, as a shell spells it, for another shape.
+/// The refusal of an option for volumes, as a front end spells it, for another shape.
 #[must_use]
 pub fn not_a_volume(option: &str, shape: &Shape) -> String {
     format!("{option} is for volumes, and the input holds {}", shape.kind())

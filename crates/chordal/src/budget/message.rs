@@ -1,11 +1,11 @@
-//! `Message`: a sentence for people that may advise settings, which every shell spells in its own way.
+//! `Message`: a sentence for people that may advise settings, which every front end spells in its own way.
 use super::Setting;
 use std::fmt;
 use std::ops::{Deref, Range};
 
 /// A sentence for people, and the places where it advises settings.
 ///
-/// Its own text has the names of settings in quotes. A shell replaces them by its [`Spelling`], with
+/// Its own text has the names of settings in quotes. A front end replaces them by its [`Spelling`], with
 /// [`Spell::spelled`].
 ///
 /// ```
@@ -80,7 +80,7 @@ impl Message {
     }
 }
 
-/// How a shell writes settings.
+/// How a front end writes settings.
 pub trait Spelling {
     /// The text by which its users set this, with the value if there is one.
     fn spell(&self, setting: Setting, value: Option<&str>) -> String;
@@ -189,7 +189,7 @@ mod tests {
         let mut spelled = outer.spelled(&Brackets);
         assert_eq!(spelled, "a: <unit:>; é <open:> or <orient:3>.");
         spelled.spell(&Brackets);
-        assert_eq!(spelled, "a: <unit:>; é <open:> or <orient:3>.", "a second shell changes nothing");
+        assert_eq!(spelled, "a: <unit:>; é <open:> or <orient:3>.", "a second front end changes nothing");
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub use tolerance::{InvalidTolerance, Tolerance, digits};
 pub(crate) use view::{Camera, MinDistanceView, Projection, Screen};
 pub use view::{Pixels, View};
 
-/// Messages that advise settings, which each shell spells in its own way.
+/// Messages that advise settings, which each front end spells in its own way.
 pub mod advice {
     pub use super::cure::Cure;
     pub use super::message::{Message, Spell, Spelling};

@@ -1,7 +1,7 @@
-//! `Setting`: the settings that messages advise; each shell spells them in its own way.
+//! `Setting`: the settings that messages advise; each front end spells them in its own way.
 use super::Cure;
 
-/// A setting of a caller that messages of the library advise. Each shell spells it as its users do.
+/// A setting of a caller that messages of the library advise. Each front end spells it as its users do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Setting {
     /// The unit of the input's lengths.
