@@ -305,9 +305,9 @@ impl LocalTrees {
     /// primitives.
     pub fn by_value(&mut self, number: u32, ranges: &[[f64; 2]]) -> u32 {
         let local = self.get(number);
-        let range_of = |p: u32, falls: bool| {
+        let range_of = |p: u32, is_complement: bool| {
             let [low, high] = ranges[local.index_of(p)];
-            if falls { [-high, -low] } else { [low, high] }
+            if is_complement { [-high, -low] } else { [low, high] }
         };
         let (_, tree) = by_value(&local.tree, range_of);
         if tree.nodes().len() == local.tree.nodes().len() { number } else { self.push(tree) }
