@@ -28,6 +28,7 @@ fn below(folder: &Path, path: &str) -> Result<PathBuf, String> {
     let resolved = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));
     // The parent of a file in the working folder is the empty path.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    // Both sides are resolved: the folder itself may be reached by a link, which is no way out.
     let full = resolved(&folder.join(path))?;
     if full.starts_with(resolved(folder)?) {
         Ok(full)

@@ -49,12 +49,15 @@ const REPLACED: io::ErrorKind = io::ErrorKind::Interrupted;
 /// Opens and locks the file; returns it and whether the file system has locks.
 fn open_locked(path: &Path) -> io::Result<(File, bool)> {
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+    // Never waits: the other job may run for hours, and the user is told instead.
     let is_held = match file.try_lock() {
         Ok(()) => true,
         Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
         Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => false,
         Err(TryLockError::Error(error)) => return Err(error),
     };
+    // The file that was opened may have been removed by its last holder since, and another one created:
+    // both jobs would then hold a lock.
     if is_named(&file, path) { Ok((file, is_held)) } else { Err(REPLACED.into()) }
 }
 

@@ -44,6 +44,7 @@ pub fn least_for(scene: &Scene, n_file_bytes: u64) -> u64 {
 #[cfg_attr(target_family = "wasm", expect(dead_code, reason = "there are no such files"))]
 fn default_limit_from(read: &dyn Fn(&str) -> Option<String>) -> Option<u64> {
     let machine = read("/proc/meminfo").and_then(|text| total(&text));
+    // A group inside of others has the least of their limits, whichever of them states it.
     let limit = groups(read).into_iter().chain(machine).min()?;
     Some(limit / SHARE)
 }
@@ -75,6 +76,8 @@ fn groups(read: &dyn Fn(&str) -> Option<String>) -> Vec<u64> {
             // "max" means no limit and does not parse.
             let limit = read(&format!("{folder}{group}/{name}"));
             limits.extend(limit.and_then(|text| text.trim().parse::<u64>().ok()));
+            // A limit of an ancestor holds for this group, too. Within a container the path may name none
+            // of the visible folders; then the root, which is the last, has the container's own limit.
             let Some(parent) = group.rfind('/') else { break };
             group = &group[..parent];
         }

@@ -67,6 +67,7 @@ impl FolderPlace {
             None => arg.canonicalize().map_err(unreadable)?,
         };
         let place = Self { path, existing, is_own };
+        // A folder that is missing is created by a rename, which neither rule concerns.
         if place.state()? != FolderState::Missing {
             place.refuse_fixed()?;
         }
@@ -98,9 +99,12 @@ impl FolderPlace {
             ),
             _ => self.unwritable_parent(&error),
         })?;
+        // Without a lock, a temporary folder may be that of a job that is still at work.
         if lock.is_held() {
             self.sweep();
         }
+        // Again: the sweep may just have put an old folder back, whose files are not to be replaced
+        // unasked.
         self.state()?;
         let temp = TempFolder::create(&self)?;
         Ok(OutputFolder { place: self, temp, _lock: lock })
@@ -203,10 +207,13 @@ impl FolderPlace {
                 continue;
             };
             let (numbers, is_old) = rest.strip_suffix(OLD).map_or((rest, false), |numbers| (numbers, true));
+            // Exactly two numbers: the prefix also fits the left-overs of a folder whose name goes on
+            // with `-` and a number.
             let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
             if !numbers.split_once('-').is_some_and(|(a, b)| is_number(a) && is_number(b)) {
                 continue;
             }
+            // Beside a new folder, the old one is what the kill left no time to remove.
             let is_missing = !self.path.exists();
             if is_old && is_missing {
                 let _ = fs::rename(entry.path(), &self.path);
@@ -255,6 +262,8 @@ struct TempFolder {
 
 impl TempFolder {
     fn create(place: &FolderPlace) -> Result<Self, Fault> {
+        // Beside the output and not in the system's folder for such files: only within a file system is a
+        // rename one step.
         let (parent, prefix, is_own) = (overwrite::parent(&place.path), place.temp_prefix(), place.is_own);
         // A name is taken only if an earlier process of the same number was killed.
         for attempt in 0..1000 {
@@ -295,12 +304,16 @@ impl OutputFolder {
     /// If the system fails, or the folder may not be replaced any more; then the old folder is unchanged.
     pub fn write(self, set: &FileSet<'_>, document: &str) -> Result<u64, Fault> {
         let mut bytes = 0;
+        // The document last: whatever a kill leaves has no document that promises more files than there
+        // are.
         let beside = set.beside.iter().map(|file| (&*file.name, &*file.bytes));
         for (name, content) in beside.chain([(document, &*set.document)]) {
             let written = self.temp.write(name, content);
             written.map_err(|error| unwritable(&self.place.join(name).display().to_string(), &error))?;
             bytes += content.len() as u64;
         }
+        // The names in the folder have to be on the disk before the folder gets its name, and its name
+        // before this is called done.
         temp_output::sync_folder(&self.temp.path.join(document));
         signal::without_interruption(|| self.commit())?;
         temp_output::sync_folder(&self.place.path);
@@ -314,6 +327,8 @@ impl OutputFolder {
         match self.place.state()? {
             FolderState::Missing => fs::rename(new, path).map_err(|error| self.failed(&error)),
             FolderState::Empty => {
+                // Before the new folder gets the name, so that it never has it with other permissions
+                // than the old one.
                 keep_permissions(path, new);
                 // Only Unix renames over an empty folder. `remove_dir` removes only an empty one.
                 let free = if cfg!(unix) { Ok(()) } else { fs::remove_dir(path) };
@@ -336,10 +351,12 @@ impl OutputFolder {
     /// Replaces the old folder in two steps; if the second fails, the first is undone.
     fn rename_both(&self) -> Result<(), Fault> {
         let (new, path) = (&self.temp.path, &self.place.path);
+        // The name tells the next run's sweep that this is the old folder.
         let old = new.with_extension(format!("{}.tmp", &OLD[1..]));
         fs::rename(path, &old).map_err(|error| self.failed(&error))?;
         let renamed = self
             .place
+            // Only now can nobody add a file by the old path; a foreign one undoes the step.
             .own_names(&old)
             .and_then(|_| fs::rename(new, path).map_err(|error| self.failed(&error)));
         match renamed {

@@ -46,6 +46,7 @@ impl OutputSetArgs {
             }
             return target.write(one);
         };
+        // The stem of a file names those beside it, so that only several files need one.
         if !self.is_separate && !names_files {
             return target.write(one);
         }
@@ -105,6 +106,8 @@ fn write_set(
         let mut new = TempOutput::create(path)?;
         let written = new.fill(&mut |out| Ok(out.write_all(content)?));
         bytes += written.map_err(|error| unwritable(&path.display().to_string(), &error))?;
+        // The place for the old file is an empty file of this process, so that no other one can take its
+        // name before the rename replaces it.
         let old = if path.exists() { Some(TempOutput::create(path)?) } else { None };
         staged.push(StagedFile { new, path: path.clone(), old });
     }
@@ -112,6 +115,7 @@ fn write_set(
     refuse()?;
     signal::without_interruption(|| commit(&staged, existing))?;
     if let Some(last) = staged.last() {
+        // All are in one folder, so that one sync is for all of their names.
         sync_folder(&last.path);
     }
     Ok(bytes)

@@ -41,6 +41,7 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
+        // By the numbers of the file and not by its path: a hard link is the same file under another one.
         let id = |path| fs::metadata(path).map(|m| (m.dev(), m.ino()));
         matches!((id(a), id(b)), (Ok(a), Ok(b)) if a == b)
     }
@@ -54,6 +55,8 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
 /// If it may not be replaced.
 pub fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
     let name = path.display();
+    // Of the link itself, which a check of its target would miss. A path that cannot be looked at fails
+    // when it is written.
     let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
     let kind = metadata.file_type();
     if kind.is_symlink() {

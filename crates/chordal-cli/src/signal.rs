@@ -32,6 +32,8 @@ pub fn create_unfinished<T>(
     remove: RemoveOutput,
     create: impl FnOnce() -> io::Result<T>,
 ) -> io::Result<T> {
+    // The handler waits for this lock, so that it either finds the output registered or comes before it
+    // exists.
     let mut guard = unfinished();
     let output = create()?;
     guard.push(UnfinishedOutput { path: path.to_owned(), remove });
@@ -97,6 +99,8 @@ pub fn forget_child(child: &SharedChild) {
 /// Kills all processes, waits for their end, and removes their folder.
 fn end_children(children: &mut StartedChildren) {
     for child in &children.running {
+        // Each process is waited for: one that still runs could write into the folder while it is
+        // removed.
         let mut child = child.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = child.kill();
         let _ = child.wait();
@@ -120,6 +124,7 @@ static ABORT_TEXT: OnceLock<Vec<u8>> = OnceLock::new();
 pub fn end_aborts_with_a_code() {
     let write_text = || {
         let mut rest = ABORT_TEXT.get().map_or(&[][..], |text| &text[..]);
+        // A pipe may take a part at a time; if it is closed, nobody reads the rest.
         while let Ok(written) = rustix::io::write(rustix::stdio::stdout(), rest) {
             rest = &rest[written..];
             if rest.is_empty() || written == 0 {
@@ -151,6 +156,7 @@ pub fn end_aborts_with_a_code() {}
 /// and a kill leaves at most an unfinished file under its temporary name.
 pub fn install(cancel: Arc<AtomicBool>) {
     let _ = ctrlc::set_handler(move || {
+        // First of all, so that work that goes on during the removal ends by itself.
         cancel.store(true, Ordering::Relaxed);
         let outputs = unfinished();
         // In reverse order, since a later output may be inside an earlier one.

@@ -59,6 +59,8 @@ impl TempOutput {
         fill(&mut buffer)?;
         buffer.flush()?;
         drop(buffer);
+        // Before the rename: after a power cut, a new name with an empty file would be worse than the old
+        // file.
         self.file.sync_all()?;
         Ok(self.file.metadata()?.len())
     }
@@ -69,6 +71,8 @@ impl TempOutput {
         refuse_occupied(output, existing)?;
         let renamed = signal::without_interruption(|| match existing {
             OverwritePolicy::Replace => {
+                // Before the rename, so that the output is never in place with wider permissions than it
+                // had.
                 keep_permissions(output, &self.path);
                 fs::rename(&self.path, output)
             }
@@ -106,6 +110,8 @@ pub fn keep_permissions(old: &Path, new: &Path) {
 /// If the system fails, or the name exists.
 pub fn rename_to_new(from: &Path, to: &Path) -> io::Result<()> {
     match fs::hard_link(from, to) {
+        // For a moment the file has both names; a kill there leaves the output complete, beside a
+        // left-over.
         Ok(()) => fs::remove_file(from),
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(error),
         // A file system without hard links.

@@ -30,12 +30,16 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let files = WatchedFiles::default();
     let mut existing = args.output.existing();
     loop {
+        // Stamps are taken before the files are read, so that a change during the reading counts as one
+        // after it.
         files.forget();
         files.add([&args.input.input].into_iter().chain(args.boolean.paths()).cloned());
         for require in attempts(args) {
             match attempt(args, (require, existing), &files) {
+                // From now on the output is this command's own.
                 Ok(()) => existing = OverwritePolicy::Replace,
                 // A change of the files cancelled the job.
+                // A signal ends the process by itself, without coming back here.
                 Err(fault) if fault.exit == Exit::Interrupted => break,
                 Err(fault) if matches!(fault.exit, Exit::Input | Exit::Budget) => {
                     // The best result was written nevertheless.
@@ -48,6 +52,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
                 Err(fault) => return Err(fault),
             }
         }
+        // Otherwise the next round begins at once, and the line would be wrong.
         if !files.have_changed() {
             console.say("waiting for a change; Ctrl-C stops");
         }
@@ -80,6 +85,7 @@ fn attempt(
             args,
             &MeshRound { job: &job, existing, require, on_files: &|paths| files.add(paths) },
         );
+        // The scope waits for the other thread, which would watch for ever.
         is_over.store(true, Ordering::Relaxed);
         result
     })
@@ -98,6 +104,7 @@ impl WatchedFiles {
         let mut files = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for path in paths {
             let stamp = stamp(&path);
+            // The first stamp stays: a file that is named again may have changed since it was read.
             files.entry(path).or_insert(stamp);
         }
     }
@@ -127,6 +134,7 @@ impl WatchedFiles {
         while !self.have_changed() {
             thread::sleep(INTERVAL);
         }
+        // A copy, since the lock is not to be held while this sleeps.
         let paths: Vec<PathBuf> =
             self.0.lock().unwrap_or_else(PoisonError::into_inner).keys().cloned().collect();
         let stamps = || paths.iter().map(|path| stamp(path)).collect::<Vec<_>>();
