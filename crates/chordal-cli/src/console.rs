@@ -121,6 +121,7 @@ pub fn print(text: &str) -> Result<(), Fault> {
 /// Prints an error to stderr and, with `--json`, as an object to stdout, unless a report was printed before.
 /// Returns the exit code.
 pub fn fail(fault: &Fault, json: bool) -> u8 {
+    // Once the handler has printed that the command was interrupted, no other error may follow.
     let _ = signal::without_interruption(|| write!(std::io::stderr(), "{}", printable(&fault.to_string())));
     if json && !fault.reported {
         let _ = std::io::stdout().write_all(error_report(fault).as_bytes());

@@ -104,6 +104,7 @@ fn too_large(name: &str, bytes: u64, limit: u64) -> Fault {
 /// Reads at most `limit` bytes. The buffer grows with the data, never by an announced size.
 fn read_up_to(reader: &mut dyn Read, limit: u64, name: &str) -> Result<Vec<u8>, Fault> {
     let mut bytes = Vec::new();
+    // One byte more than allowed tells a stream at the limit from one beyond it.
     let read = reader.take(limit.saturating_add(1)).read_to_end(&mut bytes);
     read.map_err(|error| Fault::input("unreadable", format!("{name}: {}", plainly(&error))))?;
     if bytes.len() as u64 > limit {

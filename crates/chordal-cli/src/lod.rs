@@ -145,6 +145,7 @@ impl LodOutput {
             Self::Tiles(place) => place,
         };
         let beside = parent(&args.input.input);
+        // The folder is replaced as a whole, with everything in it that the input refers to.
         let files = input.files.iter().map(|file| beside.join(&file.path));
         files.into_iter().try_for_each(|file| refuse_inside(&place, &file, &args.output.output))?;
         let name = place.join(LIST).display().to_string();

@@ -104,6 +104,7 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     let spec = BudgetSpec { require: round.require, ..spec };
     let to = output_format(&args.output.output, options.to)?;
     let mut run = VerbRun::with_job("mesh", run_args(args), round.job.clone())?;
+    // Outputs are checked before anything is read or computed, and again when they are written.
     let target = run.target_over(round.existing)?;
     args.boolean.refuse_output(&args.output.output)?;
     let form = args.set.form_for(&target, to)?;
@@ -137,6 +138,7 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     } else {
         mesh_boolean(input, operands, &spec, form, &run.job)
     };
+    // The limit is for the work: what is there is written, however long that takes.
     drop(deadline);
     let outcome = match meshed {
         Err(failure @ MeshFailure::Unmet(_)) => {

@@ -17,6 +17,7 @@ impl OutputTarget {
         match self {
             Self::Stdout => {
                 check_stdout()?;
+                // In memory first, so that a failure writes nothing instead of a part.
                 let mut bytes = Vec::new();
                 fill(&mut bytes).map_err(failed)?;
                 let mut stdout = io::stdout().lock();

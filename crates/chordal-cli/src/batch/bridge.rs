@@ -95,6 +95,7 @@ impl BridgeState {
     fn end(&self, fault: String) {
         let mut waiting = self.waiting();
         waiting.fault.get_or_insert(fault);
+        // Without its sender, each waiting thread wakes up.
         waiting.by_number.clear();
     }
 }
@@ -160,6 +161,8 @@ impl Bridge {
     pub fn run(&self, job: &BatchJob) -> Result<JobEnd, JobFault> {
         let (sender, receiver) = channel();
         {
+            // Registered before the line is sent, since the answer may be faster than this thread. The
+            // lock is given back first: the pipe may be full, and the thread that reads answers needs it.
             let mut waiting = self.state.waiting();
             if let Some(sentence) = &waiting.fault {
                 return Err(JobFault::Batch(cluster_fault(sentence.clone())));

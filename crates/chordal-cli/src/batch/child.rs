@@ -23,6 +23,7 @@ pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<JobEn
     let mut end = JobEnd::default();
     let status = thread::scope(|scope| {
         let other = sender.clone();
+        // Both at once: a process that has filled one pipe waits until somebody reads it.
         let stdout = scope.spawn(move || drain(stdout, &sender));
         let stderr = scope.spawn(move || drain(stderr, &other));
         // Both streams close when the process ends. Waiting for them instead of for the process leaves its

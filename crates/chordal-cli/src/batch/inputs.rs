@@ -89,6 +89,7 @@ impl FolderWalk {
     /// Expands one name, and returns the part of it without wildcards.
     fn expand_one(&mut self, input: &Path) -> Result<PathBuf, Fault> {
         let io_fault = |error: &io::Error| unreadable(input, error);
+        // As it is first: the name of a file may contain wildcards itself.
         match fs::metadata(input) {
             Ok(found) if found.is_dir() => {
                 self.known_files(input)?;
@@ -122,6 +123,7 @@ impl FolderWalk {
             return Ok(());
         };
         if pattern == "**" {
+            // At the end of a pattern it stands for all files below.
             let any = [OsStr::new("*")];
             self.expand_parts(folder, if rest.is_empty() { &any } else { rest })?;
         }
@@ -209,6 +211,7 @@ fn entries(folder: &Path) -> Result<Vec<(OsString, PathBuf, EntryKind)>, Fault> 
             }
         }
     }
+    // Systems list them in any order.
     entries.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(entries)
 }

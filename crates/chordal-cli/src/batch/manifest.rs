@@ -124,6 +124,7 @@ impl ManifestEntries {
                     if entry.output_sha256.is_some() {
                         entries.outputs.insert(entry.output.clone());
                     }
+                    // A later line replaces an earlier one of the same input.
                     entries.by_input.insert(entry.input.clone(), entry);
                 }
                 None => entries.n_wrong += 1,
@@ -149,6 +150,7 @@ impl Manifest {
         let path = folder.join(MANIFEST);
         let open = || -> io::Result<File> {
             let mut file = OpenOptions::new().write(true).create(true).truncate(false).open(&path)?;
+            // A line after half of one would be lost with it.
             file.set_len(entries.whole_bytes)?;
             file.seek(SeekFrom::End(0))?;
             Ok(file)
@@ -163,6 +165,8 @@ impl Manifest {
     /// If it cannot be written.
     pub fn append(&mut self, entry: &ManifestEntry) -> Result<(), Fault> {
         let line = entry.to_line() + "\n";
+        // Synced before the output is put in place: an output without its line would be taken for a
+        // foreign file.
         let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
         written.map_err(|error| unwritable(&self.path, &error))
     }

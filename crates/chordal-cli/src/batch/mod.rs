@@ -151,6 +151,7 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
     let cancel = Arc::new(AtomicBool::new(false));
     let lock = if args.dry_run { None } else { Some(BatchLock::acquire(&args.output)?) };
     signal::install(Arc::clone(&cancel));
+    // Under the lock: another batch may have been adding lines until now.
     let entries = ManifestEntries::read(&args.output)?;
     if entries.n_wrong > 0 {
         let n = entries.n_wrong;
@@ -223,6 +224,8 @@ impl BatchArgs {
         if bridge.slots() == 0 {
             console.warn(address, &["the cluster has no workers: files wait until it has some"]);
         }
+        // The share of memory is by the workers of this moment; a cluster that grows later does not
+        // change it.
         let at_once = given.unwrap_or_else(|| bridge.slots()).max(1);
         // A cluster runs one process per thread of a worker.
         let share = self.share(1, self.max_memory.map(|bytes| bytes / at_once as u64));

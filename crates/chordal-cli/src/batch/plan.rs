@@ -43,6 +43,7 @@ pub fn plan(inputs: BatchInputs, verb: BatchVerb, naming: &OutputNaming) -> Resu
             None => verb.usual_extension(&file.path),
         };
         let output = output_of(&file.relative, &extension, naming.keeps_extension);
+        // Before the work: with several at once, it would be chance which of the two stays.
         if let Some(other) = taken.insert(output.clone(), file.path.clone()) {
             let pair = format!("{} and {}", other.display(), file.path.display());
             let advice = if naming.keeps_extension || extension_of(&other) == extension_of(&file.path) {

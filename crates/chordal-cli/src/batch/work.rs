@@ -111,6 +111,7 @@ impl BatchWork<'_> {
             && entry.output == item.output_name;
         let has = |path: &Path, sha256: &Option<String>| sha256.is_some() && digest(path).ok() == *sha256;
         let output = self.folder.join(&item.output);
+        // Digests come last, since they read both files as a whole.
         (is_same && has(&item.file.path, &entry.input_sha256) && has(&output, &entry.output_sha256))
             .then_some(entry)
     }
@@ -137,6 +138,7 @@ impl BatchWork<'_> {
         };
         let output = self.folder.join(&item.output);
         let input = InputSource::File(item.file.path.clone());
+        // Before the work, to save it; checked again when the output is put in place.
         let refused =
             refuse_input(&output, &input).and_then(|()| refuse_occupied(&output, self.existing(item)));
         if let Err(fault) = refused {
@@ -163,6 +165,7 @@ impl BatchWork<'_> {
         describe(&mut entry, &end);
         // A killed process may leave an incomplete file, which is no output.
         entry.output_sha256 = end.exit.and_then(|_| digest(&output).ok());
+        // From the report if there is one: that is of the bytes that were really read.
         entry.input_sha256 = entry.input_sha256.take().or_else(|| digest(&item.file.path).ok());
         if entry.exit == Some(0) && entry.output_sha256.is_none() {
             return fail(entry, &Fault::output("no-output", "the verb succeeded but wrote no output"));
@@ -250,6 +253,7 @@ impl<'scope> SharedWork<'scope, '_> {
     /// Starts threads up to the number of files that the runner takes at once, or that are left.
     fn start_threads(self, scope: &'scope Scope<'scope, '_>) {
         let mut state = lock(self.state);
+        // At most as many threads as items are running or left.
         let wanted = self.work.runner.at_once().min(self.items.len() - state.n_started + state.n_threads);
         while state.n_threads < wanted && state.fault.is_none() {
             state.n_threads += 1;
@@ -264,6 +268,7 @@ impl<'scope> SharedWork<'scope, '_> {
             let item = &self.items[number];
             let end = self.work.item(number, item);
             {
+                // The lock is given back before other threads are started, which needs it again.
                 let mut state = lock(self.state);
                 if let Err(fault) = self.work.record(item, end, self.sizes[number], &mut state) {
                     state.fault.get_or_insert(fault);
@@ -358,6 +363,7 @@ fn put_in_place(temp_output: &Path, output: &Path, existing: OverwritePolicy) ->
         }
     }
     beside.sort();
+    // All are checked before the first one moves.
     beside.iter().try_for_each(|(to, _)| refuse_occupied(to, existing))?;
     for (to, path) in &beside {
         fs::rename(path, to).map_err(failed(to))?;

@@ -48,6 +48,7 @@ impl RequestGate {
         if !single_header(headers, &HOST).is_some_and(|host| self.is_own_host(host)) {
             return GateDecision::ForeignHost;
         }
+        // A WebSocket begins as a GET, and browsers open one to any site without asking it.
         let reads = matches!(*request.method(), Method::GET | Method::HEAD) && !headers.contains_key(UPGRADE);
         if !reads && !single_header(headers, &ORIGIN).is_some_and(|origin| self.is_own_origin(origin)) {
             return GateDecision::ForeignOrigin;
@@ -55,6 +56,7 @@ impl RequestGate {
         if self.has_cookie(headers) {
             return GateDecision::Enter;
         }
+        // Only the link that was printed has a token: elsewhere one would be a guess.
         let given = if request.uri().path() == "/" { token_in(request.uri().query()) } else { None };
         // The swap comes last, so that a wrong token does not use up the right one.
         if given.is_some_and(|token| self.token.matches(token))
@@ -68,6 +70,7 @@ impl RequestGate {
     /// The `Set-Cookie` value. Browsers share the cookies of a host between its ports, so the name contains
     /// the port.
     fn cookie(&self) -> String {
+        // Without `Secure`, since the server speaks plain HTTP and a browser would not send it back.
         format!("{}={}; HttpOnly; SameSite=Strict; Path=/", self.cookie_name(), self.session.text())
     }
 
@@ -99,6 +102,7 @@ impl RequestGate {
 
 /// A header that occurs exactly once, as text.
 fn single_header<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
+    // Of two such headers it would depend on the reader which one counts.
     let mut values = headers.get_all(name).iter();
     match (values.next(), values.next()) {
         (Some(value), None) => value.to_str().ok(),

@@ -76,6 +76,7 @@ pub fn run(args: &StudioArgs) -> Result<(), Fault> {
         let name = names.first().map_or("localhost", String::as_str);
         let url = format!("http://{name}:{}/?token={}", address.port(), token.text());
         let gate = RequestGate::new(address.port(), &names, token, session);
+        // There is no job to cancel: the handler just ends the process.
         signal::install(Arc::default());
         print(&format!(
             "Chordal studio: {url}\nThe link works once, in one browser. Ctrl-C stops the server.\n"
@@ -118,6 +119,7 @@ fn address(args: &StudioArgs) -> Result<SocketAddr, Fault> {
 /// which unlike a name nobody else can redirect.
 fn allowed_names(address: IpAddr, given: &[String]) -> Vec<String> {
     let address_name = match address {
+        // It stands for all addresses of the machine, and is none that a browser goes to.
         address if address.is_unspecified() => None,
         IpAddr::V4(address) => Some(address.to_string()),
         IpAddr::V6(address) => Some(format!("[{address}]")),

@@ -114,6 +114,8 @@ impl StudioPage {
                 let Some((name, kind)) = name.to_str().and_then(|name| Some((name, kind(name)?))) else {
                     continue;
                 };
+                // Of the entry and not of its target: a link is no file here, so that none leads out of
+                // the folder.
                 let data = entry.metadata().map_err(|error| fault(&path, &plainly(&error)))?;
                 if !data.is_file() {
                     continue;
@@ -142,6 +144,7 @@ fn unpacked(archive: &[u8]) -> Option<BTreeMap<String, PageFile>> {
     let list: Vec<(String, usize)> = serde_json::from_slice(&content[..end]).ok()?;
     let (mut files, mut rest) = (BTreeMap::new(), &content[end + 1..]);
     for (path, len) in list {
+        // The lengths are those of the archive itself, which may be damaged.
         let (bytes, after) = rest.split_at_checked(len)?;
         rest = after;
         let name = path.rsplit('/').next().unwrap_or(&path);

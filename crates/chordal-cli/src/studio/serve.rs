@@ -37,6 +37,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// Serves `page` to requests that `gate` allows. It does not end.
 pub async fn serve(listener: TcpListener, gate: Arc<RequestGate>, page: Arc<StudioPage>) {
+    // A permit comes before each accept: connections beyond the limit wait in the system's queue and cost
+    // nothing here.
     let permits = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     loop {
         // The semaphore is never closed, so a permit comes eventually.
