@@ -228,6 +228,8 @@ impl Block {
             .collect::<PyResult<_>>()?;
         let (points, rest_of_point) = numbers.as_chunks::<3>();
         let (corners, rest_of_face) = indices.as_chunks::<3>();
+        // The bytes may be from anywhere, and whoever uses a block relies on its indices and numbers
+        // unchecked.
         let fits = rest_of_number.is_empty()
             && rest_of_index.is_empty()
             && rest_of_point.is_empty()

@@ -63,6 +63,7 @@ impl FirstAnswers {
         }
         let Ok(mut answers) = self.answers.lock() else { return };
         for (value, point) in close {
+            // Adding zero removes the sign of −0, which is the same point.
             let key = point.map(|x| (x + 0.0).to_bits());
             if answers.len() < Self::MOST {
                 *value = *answers.entry(key).or_insert(*value);
@@ -106,6 +107,7 @@ impl PythonLeaf {
             Err(error) => {
                 let message = format!("the function raised {error}");
                 if let Ok(mut slot) = self.calls.raised.lock() {
+                    // Several threads may fail before the work stops: the user gets the first exception.
                     slot.get_or_insert(error);
                 }
                 Err(LeafError::new(message))

@@ -62,12 +62,14 @@ fn arg_of(value: &Bound<'_, PyAny>, origins: &mut ArgOrigins, depth: u32) -> PyR
     if value.is_none() {
         return Ok(Arg::Nothing);
     }
+    // Before the numbers, of which a bool is one in Python.
     if value.is_instance_of::<PyBool>() {
         return Ok(Arg::Truth(value.is_truthy()?));
     }
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Arg::Text(text.to_string_lossy().into_owned()));
     }
+    // Only so deep, since a list may contain itself.
     if (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) && depth > 0 {
         let items = value.try_iter()?.map(|item| arg_of(&item?, origins, depth - 1));
         return Ok(Arg::List(items.collect::<PyResult<_>>()?));
@@ -87,6 +89,7 @@ impl ScriptValue {
                 notes.push(note);
             }
         }
+        // By address, which is as good as any order to bring equal ones together.
         calls.sort_by_key(|log| Arc::as_ptr(log) as usize);
         calls.dedup_by(|a, b| Arc::ptr_eq(a, b));
         match result {

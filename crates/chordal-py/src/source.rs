@@ -275,6 +275,7 @@ fn transformed_input(
     unit: Option<Unit>,
     (at_least, at_most): Lengths,
 ) -> Result<(Input, Lengths), String> {
+    // Python gives rows; the verbs take columns, as glTF does.
     let matrix = std::array::from_fn(|k| rows[k % 4][k / 4]);
     let (mut transformed, stretch) = transform_input(input, &matrix).map_err(|error| error.to_string())?;
     if let (Shape::Scene(scene), Some(unit)) = (&mut transformed.shape, unit) {

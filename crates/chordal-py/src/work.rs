@@ -96,6 +96,7 @@ pub(crate) fn run_within<T: Send + 'static>(
     let guard = CancelGuard(&job);
     let work_job = job.clone();
     pool.spawn(move || {
+        // A job that panics in a pool of Rayon ends the process.
         let result = catch_unwind(AssertUnwindSafe(|| work(&work_job)));
         drop(sender.send(result.map_or(WorkMessage::Panicked, WorkMessage::Done)));
     });
@@ -105,6 +106,7 @@ pub(crate) fn run_within<T: Send + 'static>(
         }
     });
     if result.is_ok() {
+        // The work is over, and there is nothing left to cancel.
         std::mem::forget(guard);
     }
     result
@@ -146,6 +148,7 @@ fn wait<T: Send>(
         listener.report(py, first)?;
     }
     loop {
+        // Without the GIL, for which the work itself may wait: it calls the Python functions in a shape.
         let update = py.detach(|| next_update(&mut messages));
         if let Some(listener) = &mut progress {
             listener.update(py, update.progress)?;
