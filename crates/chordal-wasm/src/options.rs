@@ -102,6 +102,7 @@ impl OptionReader<'_> {
     /// The first key of a table that is given.
     fn first_key<S: OptionTable>(&self) -> Option<String> {
         let mut keys = S::ROWS.iter().map(|row| row.name.replace('-', "_"));
+        // A flag that is false is as good as missing.
         keys.find(|key| self.get(key).is_some_and(|value| *value != Value::Bool(false)))
     }
 

@@ -95,6 +95,8 @@ fn frame() -> Result<Field, String> {
 fn crossings(lines: &[Polyline<2>], point: [f64; 2]) -> Vec<([f64; 2], i32)> {
     let mut list = Vec::new();
     for [from, to] in lines.iter().flat_map(Polyline::segments) {
+        // A corner at the height of the point counts as below it, so that it belongs to one crossing and
+        // not to two.
         let [is_low, was_low] = [to[1] <= point[1], from[1] <= point[1]];
         let side = orient2d(from, to, point);
         let turn = match (was_low, is_low, side) {

@@ -107,6 +107,7 @@ fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
     let grey: Vec<u8> = picture.rgba.chunks_exact(4).map(|pixel| pixel[1]).collect();
     Ok(grey
         .chunks_exact(4)
+        // An answer has arrays of 32-bit numbers alone: each holds four pixels.
         .map(|pixels| u32::from_le_bytes([pixels[0], pixels[1], pixels[2], pixels[3]]))
         .collect())
 }
