@@ -60,6 +60,8 @@ impl FromArgMatches for BooleanArgs {
             };
             operands.extend(indices.zip(paths).map(|(index, path)| (index, op, path.clone())));
         }
+        // The parser gives each option's values by themselves: only their indices tell the order across
+        // options.
         operands.sort_by_key(|(index, ..)| *index);
         let operands = operands.into_iter().map(|(_, op, path)| (op, path)).collect();
         Ok(Self { operands })

@@ -115,6 +115,7 @@ fn read_first(
         let name = InputSource::from_arg(&args.input).name();
         choices.push(line.strip_prefix(&format!("{name}: ")).unwrap_or(&line).to_owned());
         choices.push("this is the first".to_owned());
+        // If the first one cannot be read either, the error that lists all of them is the better one.
         return load::read(&first, job, console).map(|input| (input, choices)).map_err(|_| fault);
     }
     let limits = load::limits(&first);

@@ -25,6 +25,8 @@ pub fn point(at: [f64; 3]) -> String {
 fn with_digits(number: f64, digits: usize, toward: RoundingDirection) -> String {
     let rounded = |number: f64| format!("{number:.*e}", digits - 1);
     let value = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
+    // The printed text decides, and not arithmetic: what has to be a bound is the number that people
+    // read.
     let near = rounded(number);
     let wrong_side = match toward {
         RoundingDirection::Up => value(&near) < number,

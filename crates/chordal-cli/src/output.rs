@@ -31,6 +31,7 @@ impl OutputTarget {
         }
         refuse_input(arg, input)?;
         refuse_occupied(arg, existing)?;
+        // Only to see that the folder can be written, before any work.
         drop(TempOutput::create(arg)?);
         Ok(Self::File { path: arg.to_owned(), existing })
     }

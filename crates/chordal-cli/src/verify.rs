@@ -76,6 +76,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     let mut against = Vec::with_capacity(args.against.len());
     for path in &args.against {
         let mut source_args = InputArgs { input: path.clone(), ..args.input.clone() };
+        // The option names the format of the output, of which the files that it was made from know
+        // nothing.
         source_args.read.from = None;
         against.push(load::read_of_digest(&source_args, is_cage, &job, &console)?);
     }

@@ -254,6 +254,7 @@ fn bytes_of(part: &SurfacePart) -> Vec<u8> {
         let [x, y, z] = key.lattice;
         [i64::from(*row), x, y, z, i64::from(key.kind)].iter().for_each(|n| bytes.extend(n.to_le_bytes()));
     }
+    // Last, since their numbers have four bytes and all others eight.
     mesh.faces().as_flattened().iter().for_each(|i| bytes.extend(i.to_le_bytes()));
     bytes
 }

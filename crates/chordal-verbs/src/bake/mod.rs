@@ -120,6 +120,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     let within = match (limit, spec.resolution) {
         (Some(limit), _) => LENGTH_SHARE * limit.get(),
         (None, BakeResolution::Cells(cells)) => CELL_SHARE * longest_side(&input)? / cells as f64,
+        // A length always has a limit by now; if not, NaN is refused below.
         (None, BakeResolution::Within(_)) => f64::NAN,
     };
     let within = Tolerance::new(within).map_err(|_| {

@@ -84,6 +84,7 @@ impl LodOutcome {
     /// Sets the storage of the numbers of all levels.
     pub(super) fn pack(&mut self, packing: GltfPacking) {
         match &mut self.layout {
+            // Coarser levels take it from the finest one, when they are put together.
             LodLayout::Levels(levels) => levels.finest.packing = packing,
             LodLayout::Cut(cut) => cut.tiles.iter_mut().for_each(|tile| tile.scene.packing = packing),
         }

@@ -97,6 +97,7 @@ impl RepairTrial {
     fn attempt(&mut self, cure: RepairStep, job: &Job) -> Option<()> {
         let (mut scene, mut topologies) = (self.scene.clone(), self.topologies.clone());
         let (facts, _) = cure.apply(&mut scene, &self.stretch, &mut topologies, job).ok()?;
+        // What begins so counts places that a repair found and did not touch.
         let changed = facts.changes.iter().any(|change| !change.what.starts_with("left_"));
         if !changed || scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
             return Some(());

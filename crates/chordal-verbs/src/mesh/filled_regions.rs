@@ -29,6 +29,7 @@ pub(crate) fn fill(
         let bevels = bevel.map_or_else(String::new, |width| format!(", with bevels of {width} at both ends"));
         certificate.notes.push(format!("{RAISED} z = {height}{bevels}").into());
     }
+    // For the box of the solid: its upper end may be farther out than the drawing, and is rounded by more then.
     let request = MeshRequest::new(request.budget, request.form(), bounds);
     let Bounded { shape: mesh, bound } = request.run(job, |budget| {
         let converted = match solid {

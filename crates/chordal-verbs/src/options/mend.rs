@@ -22,6 +22,7 @@ impl MendOptions {
     /// The repairs: those that were named, and all others without tolerance if all were asked for.
     #[must_use]
     pub fn spec(&self) -> MendSpec {
+        // A repair by name comes first, since it may have a length or a number.
         let named = &self.repairs;
         let others = if self.is_for_all { MendSpec::ALL } else { MendSpec::default() };
         MendSpec {

@@ -103,6 +103,7 @@ impl Certificate {
         let InputOrigin { steps, begins, .. } = &self.origin;
         let (mut steps, mut begins) = (steps.clone(), begins.clone());
         if let Some(broken) = steps.last().and_then(|before| gap(before, &step)) {
+            // The result is as good as ever: only its distance from the first shape is not known any more.
             (steps, begins) = (Vec::new(), broken);
         }
         // The other half of the room in the file is for other facts.

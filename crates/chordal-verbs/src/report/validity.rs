@@ -69,6 +69,7 @@ impl CountedTriangles {
     /// objects.
     pub fn from_scene(scene: &Scene, format: Format) -> Result<Self, WriteError> {
         if scene.parts.len() > 1 && format.is_one_mesh() {
+            // A reader of the file finds one mesh, and counts its edges and positions across the parts.
             let merged = MergedParts::from_scene(scene, Topology::Indices)?.mesh;
             return Ok(Self::total(&[TopologyChecks::quick(&merged, format)?], format.topology()));
         }

@@ -89,6 +89,7 @@ impl VolumeFacts {
                 name: volume.labels.get(label).map_or_else(String::new, |look| look.name.clone()),
             })
             .collect();
+        // The most frequent ones are kept, and then listed by their numbers.
         label_list.sort_by_key(|facts| (std::cmp::Reverse(facts.samples), facts.label));
         label_list.truncate(MOST_LABELS);
         label_list.sort_by_key(|facts| facts.label);
@@ -139,6 +140,7 @@ fn axes(affine: &Affine3, space: &str) -> Option<String> {
     let letters: [char; 3] = space.chars().collect::<Vec<_>>().try_into().ok()?;
     let steps = affine.steps();
     let mut sides = [None; 3];
+    // The largest part of all is settled first: each index gets the axis that it is nearest to, and no axis twice.
     let mut used = [false; 3];
     for _ in 0..3 {
         let mut best = (-1.0, 0, 0);

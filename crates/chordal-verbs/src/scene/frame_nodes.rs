@@ -24,6 +24,8 @@ pub(crate) fn without_frame_nodes<'a>(scene: &'a Scene, format: Format, frame: &
     });
     let turn = (frame.up == Some(Axis::Z)).then_some(Z_UP_TO_Y_UP);
     let mut roots = &scene.roots;
+    // From the outermost node inwards, as the writer nests them, and equal to the bit: a node that only resembles one
+    // of them belongs to the scene.
     for matrix in turn.into_iter().chain(scale) {
         let [root] = roots[..] else { return Cow::Borrowed(scene) };
         let Some(node) = scene.nodes.get(root).filter(|node| *node.matrix == matrix && node.part.is_none())

@@ -34,6 +34,7 @@ pub(super) fn check(
         let mut matching = None;
         for (at, level) in coarser.iter().enumerate() {
             if stated.is_some() && digest_of(level, certificate)? == stated {
+                // Levels with the same geometry are all accounted for, and the first one stands for them.
                 matching = matching.or(Some((at, level)));
                 is_matched[at] = true;
             }
