@@ -6,6 +6,7 @@
 //!
 //! Source: NEMA, *PS3.5, PS3.3 and PS3.10: Digital Imaging and Communications in Medicine*, 2024.
 mod attributes;
+mod codestream_headers;
 mod elements;
 mod file;
 mod frame_facts;

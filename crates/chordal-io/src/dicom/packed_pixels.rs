@@ -1,5 +1,6 @@
 //! The samples of a frame that is packed. The coders are other libraries', in Rust without `unsafe`; what a
 //! small file may make them allocate is bounded here.
+use super::codestream_headers;
 use super::run_lengths;
 use super::slice::SliceFormat;
 use super::transfer_syntax::PixelPacking;
@@ -115,21 +116,11 @@ fn jpeg_ls(packed: &[u8], format: &SliceFormat) -> Result<Vec<u16>, String> {
 ///
 /// Source: ITU, *Recommendation T.800*, 2019, A.5.1.
 fn jpeg_2000(packed: &[u8], format: &SliceFormat) -> Result<Vec<u16>, String> {
-    /// The start of a codestream, and of its header.
-    const START: [u8; 4] = [0xFF, 0x4F, 0xFF, 0x51];
-    // The number of components has two bytes from byte 40 on; that of bits, less one, and the sign are in the
-    // next.
-    let (Some(&[high, low, depth]), true) = (packed.get(40..43), packed.starts_with(&START)) else {
-        return Err("are no codestream of JPEG 2000".to_owned());
-    };
-    let (n_components, bits) = (u16::from_be_bytes([high, low]), (depth & 0x7F) + 1);
-    // The decoder allocates all components before it decodes one.
-    if n_components != 1 || bits > MOST_BITS {
-        return Err(format!(
-            "are {n_components} components of {bits} bits; one of up to {MOST_BITS} is read"
-        ));
+    // The decoder allocates tiles and precincts before it decodes one.
+    let (is_signed, bits) = codestream_headers::check(packed, (format.columns, format.rows))?;
+    if bits > MOST_BITS {
+        return Err(format!("are of {bits} bits; up to {MOST_BITS} are read"));
     }
-    let is_signed = depth & 0x80 != 0;
     let broken = |error: hayro_jpeg2000::DecodeError| format!("are no JPEG 2000 that is read: {error}");
     let settings = DecodeSettings { strict: true, ..DecodeSettings::default() };
     let image = Image::new(packed, &settings).map_err(broken)?;

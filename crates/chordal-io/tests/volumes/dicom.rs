@@ -380,6 +380,51 @@ fn packed_slices_that_are_cut_or_changed_end_well() {
     }
 }
 
+/// A codestream of JPEG 2000 with empty packets: the sizes of the picture and of a tile, the sampling, the style,
+/// the number of step sizes, and the style in the header of the tile.
+fn codestream(sizes: [u32; 4], sampling: u8, styles: [&[u8]; 2], n_steps: usize) -> Vec<u8> {
+    let segment = |marker: u8, content: &[u8]| {
+        [&[0xFF, marker][..], &(content.len() as u16 + 2).to_be_bytes(), content].concat()
+    };
+    let [width, height, tile_width, tile_height] = sizes;
+    let grid = [width, height, 0, 0, tile_width, tile_height, 0, 0].map(u32::to_be_bytes).concat();
+    let size = [&[0, 0][..], &grid, &[0, 1, 11, sampling, sampling]].concat();
+    let inside = if styles[1].is_empty() { Vec::new() } else { segment(0x52, styles[1]) };
+    let part = [&inside[..], &[0xFF, 0x93], &[0; 8]].concat();
+    let head = [&[0, 0][..], &(part.len() as u32 + 12).to_be_bytes(), &[0, 1]].concat();
+    let steps = [vec![0x40], vec![0x60; n_steps]].concat();
+    let start = [&[0xFF, 0x4F][..], &segment(0x51, &size), &segment(0x52, styles[0]), &segment(0x5C, &steps)];
+    [&start.concat()[..], &segment(0x90, &head), &part, &[0xFF, 0xD9]].concat()
+}
+
+#[test]
+fn small_codestreams_that_would_take_much_memory_are_refused() {
+    // One layer and 32 of them, blocks of 64 by 64, precincts of one sample, and blocks of 4 by 4.
+    let plain: &[u8] = &[0, 0, 0, 1, 0, 0, 4, 4, 0, 1];
+    let precincts: &[u8] = &[1, 0, 0, 32, 0, 0, 4, 4, 0, 1, 0];
+    let blocks: &[u8] = &[0, 0, 0, 32, 0, 0, 0, 0, 0, 1];
+    let whole = [2048; 4];
+    for (size, packed, word) in [
+        ([256, 256], codestream([65_280, 65_280, 1, 1], 255, [plain, &[]], 1), "tiles"),
+        ([2048, 2048], codestream([2048, 2048, 1, 1], 1, [plain, &[]], 1), "tiles"),
+        ([2048, 2048], codestream(whole, 1, [precincts, &[]], 1), "packets"),
+        ([2048, 2048], codestream(whole, 1, [plain, precincts], 1), "packets"),
+        ([2048, 2048], codestream(whole, 1, [blocks, &[]], 1), "blocks"),
+        ([255, 255], codestream([255, 255, 1, 1], 1, [plain, &[]], 60_000), "damaged headers"),
+    ] {
+        let slice = |z: f64| Slice {
+            syntax: "1.2.840.10008.1.2.4.90",
+            size,
+            bits: [16, 12, 11, 0],
+            packed: Some(packed.clone()),
+            ..Slice::at(z, 0)
+        };
+        let error = load(&[slice(0.0), slice(1.0)]).unwrap_err();
+        assert_eq!(error.code, "bad-packing", "{error}");
+        assert!(error.message.contains(word), "{error}");
+    }
+}
+
 #[test]
 fn a_packing_that_is_not_read_is_named_with_what_to_do() {
     for (syntax, name) in
