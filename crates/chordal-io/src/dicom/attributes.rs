@@ -28,6 +28,7 @@ pub(super) const HIGH_BIT: DicomTag = [0x0028, 0x0102];
 pub(super) const IS_SIGNED: DicomTag = [0x0028, 0x0103];
 pub(super) const INTERCEPT: DicomTag = [0x0028, 0x1052];
 pub(super) const SLOPE: DicomTag = [0x0028, 0x1053];
+pub(super) const VALUE_TABLE: DicomTag = [0x0028, 0x3000];
 pub(super) const PIXEL_MEASURES: DicomTag = [0x0028, 0x9110];
 pub(super) const VALUE_TRANSFORMATION: DicomTag = [0x0028, 0x9145];
 pub(super) const SEGMENTATION_KIND: DicomTag = [0x0062, 0x0001];
@@ -35,6 +36,7 @@ pub(super) const SEGMENTS: DicomTag = [0x0062, 0x0002];
 pub(super) const SEGMENT_NUMBER: DicomTag = [0x0062, 0x0004];
 pub(super) const SEGMENT_LABEL: DicomTag = [0x0062, 0x0005];
 pub(super) const SEGMENT_COLOR: DicomTag = [0x0062, 0x000D];
+pub(super) const LARGEST_FRACTION: DicomTag = [0x0062, 0x000E];
 pub(super) const SEGMENT_OF_FRAME: DicomTag = [0x0062, 0x000A];
 pub(super) const SEGMENT_REFERENCE: DicomTag = [0x0062, 0x000B];
 pub(super) const SHARED_GROUPS: DicomTag = [0x5200, 0x9229];
@@ -43,7 +45,7 @@ pub(super) const LONG_OFFSETS: DicomTag = [0x7FE0, 0x0001];
 pub(super) const PIXELS: DicomTag = [0x7FE0, 0x0010];
 
 /// The tags that are kept.
-const USED: [DicomTag; 34] = [
+const USED: [DicomTag; 36] = [
     DESCRIPTION,
     SPACING_BETWEEN,
     SERIES,
@@ -65,6 +67,7 @@ const USED: [DicomTag; 34] = [
     IS_SIGNED,
     INTERCEPT,
     SLOPE,
+    VALUE_TABLE,
     PIXEL_MEASURES,
     VALUE_TRANSFORMATION,
     SEGMENTATION_KIND,
@@ -72,6 +75,7 @@ const USED: [DicomTag; 34] = [
     SEGMENT_NUMBER,
     SEGMENT_LABEL,
     SEGMENT_COLOR,
+    LARGEST_FRACTION,
     SEGMENT_OF_FRAME,
     SEGMENT_REFERENCE,
     SHARED_GROUPS,
@@ -98,7 +102,9 @@ impl<'a> DicomAttributes<'a> {
         let mut elements = source;
         let mut all = Vec::new();
         while let Some(element) = elements.next()? {
-            if USED.contains(&element.tag) {
+            // Only the first of a tag counts.
+            if USED.contains(&element.tag) && all.iter().all(|one: &DicomElement<'_>| one.tag != element.tag)
+            {
                 push(&mut all, element)?;
             }
             if element.tag == PIXELS {

@@ -16,6 +16,9 @@ const ITEM_END: [u16; 2] = [0xFFFE, 0xE00D];
 const SEQUENCE_END: [u16; 2] = [0xFFFE, 0xE0DD];
 /// The deepest nesting of sequences. Chosen: structured reports have some ten levels.
 const DEEPEST: usize = 64;
+/// The most items of a sequence, of which an empty one has 8 bytes, and takes many more as a frame. Chosen: the
+/// masks of 1,000 segments in 1,000 slices.
+const MOST_ITEMS: usize = 1 << 20;
 
 /// The start of a file's data set, and the encoding of its elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +31,10 @@ pub(super) struct DicomSyntax {
 impl DicomSyntax {
     /// The encoding of the elements before the data set, the same in every file.
     pub(super) const META: Self = Self { endian: Endian::Little, is_explicit: true };
+    /// The encoding inside a sequence of unknown type, the same in every file.
+    ///
+    /// Source: NEMA, *DICOM PS3.5*, 2024, 6.2.2.
+    const INSIDE_UNKNOWN: Self = Self { endian: Endian::Little, is_explicit: false };
 }
 
 /// One element.
@@ -40,6 +47,10 @@ pub(super) struct DicomElement<'a> {
     pub at: usize,
     /// Whether its value is fragmented, as compressed pictures are.
     pub is_in_pieces: bool,
+    /// Whether its type says that it holds words of 16 bits.
+    pub has_words: bool,
+    /// The encoding of the items in it.
+    inner: DicomSyntax,
 }
 
 /// The byte after the signature of a DICOM file.
@@ -85,6 +96,8 @@ struct ElementHead {
     length: u32,
     /// Whether the value is a sequence by its type.
     is_sequence: bool,
+    has_words: bool,
+    inner: DicomSyntax,
 }
 
 impl<'a> DicomElements<'a> {
@@ -105,10 +118,10 @@ impl<'a> DicomElements<'a> {
     /// The items of a sequence that is one of these elements, each as its own elements.
     ///
     /// # Errors
-    /// If an item is truncated, or is none.
+    /// If an item is truncated, or is none, or there are too many.
     pub(super) fn items(&self, sequence: &DicomElement<'a>) -> Result<Vec<Self>, ReadError> {
         let end = sequence.at + sequence.value.len();
-        let mut inner = Self { bytes: &self.bytes[..end], at: sequence.at, syntax: self.syntax };
+        let mut inner = Self { bytes: &self.bytes[..end], at: sequence.at, syntax: sequence.inner };
         let mut items = Vec::new();
         while inner.at < end {
             let at = inner.at;
@@ -120,6 +133,10 @@ impl<'a> DicomElements<'a> {
                 let message = "a sequence holds something that is no item";
                 return Err(ReadError::new("bad-header", FileLocation::Byte(at as u64), message));
             }
+            if items.len() == MOST_ITEMS {
+                let message = format!("a sequence has more than {} items", grouped(MOST_ITEMS as u64));
+                return Err(ReadError::new("too-large", FileLocation::Byte(at as u64), message));
+            }
             let start = inner.at;
             let end = if head.length == UNDEFINED {
                 inner.pass_elements()?
@@ -127,7 +144,7 @@ impl<'a> DicomElements<'a> {
                 inner.take(head.length as usize)?;
                 inner.at
             };
-            push(&mut items, Self { bytes: &self.bytes[..end], at: start, syntax: self.syntax })?;
+            push(&mut items, Self { bytes: &self.bytes[..end], at: start, syntax: sequence.inner })?;
         }
         Ok(items)
     }
@@ -162,23 +179,27 @@ impl<'a> DicomElements<'a> {
         }
         let head = self.head()?;
         let at = self.at;
-        let element = |value, is_in_pieces| DicomElement { tag: head.tag, value, at, is_in_pieces };
+        let ElementHead { tag, has_words, inner, .. } = head;
+        let element = |value, is_in_pieces| DicomElement { tag, value, at, is_in_pieces, has_words, inner };
         if head.length == UNDEFINED {
-            self.pass_items()?;
+            self.pass_items(inner)?;
             return Ok(Some(element(&self.bytes[at..self.at], !head.is_sequence)));
         }
         let value = self.take(head.length as usize)?;
         Ok(Some(element(value, false)))
     }
 
-    /// Skips the items of a sequence of unknown length, and all sequences inside.
-    fn pass_items(&mut self) -> Result<(), ReadError> {
-        // The end tags of the open sequences and of the open items of unknown length.
-        let mut open = vec![SEQUENCE_END];
-        while let Some(end) = open.last().copied() {
+    /// Skips the items, encoded as `inner`, of a sequence of unknown length, and all sequences inside.
+    fn pass_items(&mut self, inner: DicomSyntax) -> Result<(), ReadError> {
+        // The end tags of the open sequences and of the open items of unknown length, each with the encoding
+        // around it.
+        let mut open = vec![(SEQUENCE_END, self.syntax)];
+        self.syntax = inner;
+        while let Some((end, around)) = open.last().copied() {
             let at = self.at;
             let head = self.head()?;
             if head.tag == end {
+                self.syntax = around;
                 open.pop();
             } else if head.length != UNDEFINED {
                 self.take(head.length as usize)?;
@@ -186,7 +207,8 @@ impl<'a> DicomElements<'a> {
                 let message = format!("sequences are nested deeper than {DEEPEST} levels");
                 return Err(ReadError::new("too-deep", FileLocation::Byte(at as u64), message));
             } else {
-                open.push(if head.tag == ITEM { ITEM_END } else { SEQUENCE_END });
+                open.push((if head.tag == ITEM { ITEM_END } else { SEQUENCE_END }, self.syntax));
+                self.syntax = head.inner;
             }
         }
         Ok(())
@@ -206,6 +228,8 @@ impl<'a> DicomElements<'a> {
                 tag,
                 length,
                 is_sequence: length == UNDEFINED && tag != [0x7FE0, 0x0010],
+                has_words: false,
+                inner: self.syntax,
             });
         }
         let kind = &first[4..6];
@@ -216,7 +240,8 @@ impl<'a> DicomElements<'a> {
         let length = if is_long { u32_of(self.take(4)?) } else { u32::from(u16_of(&first[6..])) };
         // An element of unknown type and length is a sequence.
         let is_sequence = kind == b"SQ" || kind == b"UN" && length == UNDEFINED;
-        Ok(ElementHead { tag, length, is_sequence })
+        let inner = if kind == b"UN" { DicomSyntax::INSIDE_UNKNOWN } else { self.syntax };
+        Ok(ElementHead { tag, length, is_sequence, has_words: kind == b"OW", inner })
     }
 
     fn take(&mut self, n: usize) -> Result<&'a [u8], ReadError> {

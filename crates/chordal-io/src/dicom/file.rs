@@ -1,7 +1,7 @@
 //! `DicomFile`: one file of a series, with the frames in it, one or many.
 use super::attributes::{
     DESCRIPTION, DicomAttributes, FRAMES, GROUPS_OF_FRAMES, LONG_OFFSETS, PIXELS, SERIES, SHARED_GROUPS,
-    missing, text_of,
+    VALUE_TABLE, missing, text_of,
 };
 use super::elements::{DicomElement, DicomElements, DicomSyntax, after_mark};
 use super::frame_facts::FrameFacts;
@@ -12,10 +12,11 @@ use super::transfer_syntax::{PixelPacking, TransferSyntax};
 use crate::grow::with_room;
 use crate::text::{grouped, show};
 use crate::unpack_cap::UnpackCap;
-use crate::volume::element::SampleType;
+use crate::volume::element::{Endian, SampleType};
 use crate::volume::inflate::InflateReader;
 use crate::{FileLocation, Limits, ReadError};
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// The element that names the transfer syntax.
 const TRANSFER_SYNTAX: [u16; 2] = [0x0002, 0x0010];
@@ -32,6 +33,24 @@ pub(super) struct DicomFile<'a> {
     pub frames: Vec<DicomFrame>,
     pub segments: SegmentTable,
     packing: PixelPacking,
+    pixels: PixelPlaces,
+}
+
+/// A file with pixels.
+pub(super) enum PixelFile<'a> {
+    Read(Box<DicomFile<'a>>),
+    /// One that is no part of a volume, with its series and the reason.
+    Refused {
+        series: String,
+        error: ReadError,
+    },
+}
+
+/// What a file says about its frames.
+struct FileParts {
+    format: SliceFormat,
+    frames: Vec<DicomFrame>,
+    segments: SegmentTable,
     pixels: PixelPlaces,
 }
 
@@ -60,16 +79,16 @@ enum PixelPlaces {
 }
 
 impl<'a> DicomFile<'a> {
-    /// Reads a file; `None` if it has no pixels, or is no DICOM at all.
+    /// Reads a file; `None` if it has no pixels, or is no DICOM at all. It is refused if a necessary attribute
+    /// is missing, its pixels are packed in a way that is not read, or its frames have no positions.
     ///
     /// # Errors
-    /// If it is truncated, a necessary attribute is missing, its pixels are packed in a way that is not read,
-    /// or its frames have no positions.
+    /// If it is truncated, or its elements cannot be told apart.
     pub(super) fn read(
         name: &str,
         mut bytes: Cow<'a, [u8]>,
         limits: &Limits,
-    ) -> Result<Option<Self>, ReadError> {
+    ) -> Result<Option<PixelFile<'a>>, ReadError> {
         let Some(start) = after_mark(&bytes) else { return Ok(None) };
         let mut meta = DicomElements::new(&bytes, start, DicomSyntax::META);
         let mut syntax = None;
@@ -90,49 +109,27 @@ impl<'a> DicomFile<'a> {
         }
         let attributes = DicomAttributes::read(DicomElements::new(&bytes, at, syntax.0.elements))?;
         let Some(pixels) = attributes.get(PIXELS) else { return Ok(None) };
-        let place = FileLocation::Byte(pixels.at as u64);
-        if let PixelPacking::Unread(packing) = syntax.0.packing {
-            let message = format!(
-                "pixels packed as {packing} (transfer syntax {}) are not read: save the series uncompressed, as \
-                 gdcmconv of GDCM and dcmconv of DCMTK do",
-                syntax.1
-            );
-            return Err(ReadError::new("packed-pixels", place, message));
-        }
-        let is_packed = syntax.0.packing != PixelPacking::Plain;
-        if pixels.is_in_pieces != is_packed {
-            let is = if is_packed {
-                "are not in pieces, which packed ones are"
-            } else {
-                "are in pieces, which only packed ones are"
-            };
-            return Err(ReadError::new("unsupported", place, format!("the pixels {is}")));
-        }
-        let format = SliceFormat::read(&attributes, syntax.0.elements.endian, &place)?;
-        let segments = SegmentTable::read(&attributes)?;
-        if format.element == SampleType::Bool && (segments.is_empty() || is_packed) {
-            let message = "samples of 1 bit are read from segmentations alone, unpacked";
-            return Err(ReadError::new("unsupported", place, message));
-        }
-        let frames = frames_of(&attributes, &pixels)?;
-        let places = if is_packed {
-            let long = attributes.get(LONG_OFFSETS);
-            PixelPlaces::Packed(PixelPieces::read(&pixels, long.as_ref(), frames.len())?)
-        } else {
-            PixelPlaces::Plain { start: pixels.at, n_bytes: pixels.value.len() }
+        let series = attributes.text(SERIES);
+        let parts = match FileParts::read(&attributes, &pixels, &syntax) {
+            Ok(parts) => parts,
+            Err(error) => return Ok(Some(PixelFile::Refused { series, error })),
         };
-        let (series, description) = (attributes.text(SERIES), attributes.text(DESCRIPTION));
-        Ok(Some(Self {
+        let description = attributes.text(DESCRIPTION);
+        if pixels.has_words && parts.format.endian == Endian::Big && parts.format.element.width() == 1 {
+            bytes = Cow::Owned(with_words_turned(&bytes, pixels.at..pixels.at + pixels.value.len())?);
+        }
+        let FileParts { format, frames, segments, pixels } = parts;
+        Ok(Some(PixelFile::Read(Box::new(Self {
             name: name.to_owned(),
+            bytes,
             series,
             description,
             format,
             frames,
             segments,
             packing: syntax.0.packing,
-            pixels: places,
-            bytes,
-        }))
+            pixels,
+        }))))
     }
 
     /// The bytes that the samples of all frames take in the file, and as samples.
@@ -199,6 +196,64 @@ impl<'a> DicomFile<'a> {
         );
         Err(ReadError::new("size-mismatch", FileLocation::File, message))
     }
+}
+
+impl FileParts {
+    /// Reads what a file of a transfer syntax says about its frames.
+    fn read(
+        attributes: &DicomAttributes<'_>,
+        pixels: &DicomElement<'_>,
+        syntax: &(TransferSyntax, String),
+    ) -> Result<Self, ReadError> {
+        let place = FileLocation::Byte(pixels.at as u64);
+        if let PixelPacking::Unread(packing) = syntax.0.packing {
+            let message = format!(
+                "pixels packed as {packing} (transfer syntax {}) are not read: save the series uncompressed, as \
+                 gdcmconv of GDCM and dcmconv of DCMTK do",
+                syntax.1
+            );
+            return Err(ReadError::new("packed-pixels", place, message));
+        }
+        let is_packed = syntax.0.packing != PixelPacking::Plain;
+        if pixels.is_in_pieces != is_packed {
+            let is = if is_packed {
+                "are not in pieces, which packed ones are"
+            } else {
+                "are in pieces, which only packed ones are"
+            };
+            return Err(ReadError::new("unsupported", place, format!("the pixels {is}")));
+        }
+        if !attributes.items(VALUE_TABLE)?.is_empty() {
+            let message = "numbers that a table gives for samples (ModalityLUTSequence) are not read";
+            return Err(ReadError::new("unsupported", place, message));
+        }
+        let format = SliceFormat::read(attributes, syntax.0.elements.endian, &place)?;
+        let segments = SegmentTable::read(attributes)?;
+        if format.element == SampleType::Bool && (segments.is_empty() || is_packed) {
+            let message = "samples of 1 bit are read from segmentations alone, unpacked";
+            return Err(ReadError::new("unsupported", place, message));
+        }
+        let mut frames = frames_of(attributes, pixels)?;
+        if let Some(largest) = segments.largest {
+            frames.iter_mut().for_each(|frame| frame.slope /= largest);
+        }
+        let places = if is_packed {
+            let long = attributes.get(LONG_OFFSETS);
+            PixelPlaces::Packed(PixelPieces::read(pixels, long.as_ref(), frames.len())?)
+        } else {
+            PixelPlaces::Plain { start: pixels.at, n_bytes: pixels.value.len() }
+        };
+        Ok(Self { format, frames, segments, pixels: places })
+    }
+}
+
+/// The bytes of a file with the two bytes of each word in a range exchanged: in big-endian words the second
+/// sample, or the second eight bits, comes first.
+fn with_words_turned(bytes: &[u8], range: Range<usize>) -> Result<Vec<u8>, ReadError> {
+    let mut turned = with_room(bytes.len())?;
+    turned.extend_from_slice(bytes);
+    turned[range].chunks_exact_mut(2).for_each(<[u8]>::reverse);
+    Ok(turned)
 }
 
 /// The transfer syntax that a file names.

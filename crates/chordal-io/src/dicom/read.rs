@@ -1,6 +1,6 @@
 //! Reads a DICOM series.
 use super::elements::after_mark;
-use super::file::DicomFile;
+use super::file::{DicomFile, PixelFile};
 use super::masks::labels_of;
 use super::series::{DicomSeries, DicomSlice};
 use super::slice_list::FIRST;
@@ -31,8 +31,9 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
 
 /// Reads the slices in a list ([`super::slice_list`]) as one volume, in the patient's coordinates "LPS", in
 /// millimetres. Slices are sorted by their positions along the normal, and slope and intercept are applied.
-/// Files that are not slices are counted. Of several series, sorted by identifier, stack and time,
-/// [`Limits::index`] chooses one. The masks of a segmentation become labels.
+/// Files that are not slices are counted, and so are those of other series that are no part of a volume. Of
+/// several series, sorted by identifier, stack and time, [`Limits::index`] chooses one. The masks of a
+/// segmentation become labels; each file of masks is a series of its own.
 ///
 /// # Errors
 /// If slices are missing, at the same position, at unequal steps, of different sizes, packed in a way that is
@@ -44,16 +45,22 @@ pub fn read_with(
     limits: &Limits,
 ) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
-    let mut files = Vec::new();
+    let (mut files, mut refused) = (Vec::new(), Vec::new());
     match bytes.strip_prefix(FIRST) {
         Some(names) => {
             let mut beside = DataFiles::new(open, bytes.len() as u64, limits.bytes);
-            files_of(names, &mut beside, (limits, &mut warnings), &mut files)?;
+            files_of(names, &mut beside, (limits, &mut warnings), (&mut files, &mut refused))?;
         }
         None => files.push(single(bytes, limits)?),
     }
+    if files.is_empty()
+        && let Some(RefusedFile { error, .. }) = refused.first()
+    {
+        return Err(error.clone());
+    }
     let slices = choose(&files, limits)?;
     let first = slices[0];
+    check_refused(refused, &first.file.series, &mut warnings)?;
     let (size, samples, affine) = if first.file.format.element == SampleType::Bool {
         labels_of(slices, limits, &mut warnings)?
     } else {
@@ -70,12 +77,33 @@ pub fn read_with(
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
-/// The files in a list, without those that are no slices.
-fn files_of(
+/// A file with pixels that is no part of a volume.
+struct RefusedFile {
+    series: String,
+    error: ReadError,
+}
+
+/// Counts the files that were refused, if none of them is of the chosen series: a folder may also hold pictures
+/// of the screen, and series that are not read.
+fn check_refused(refused: Vec<RefusedFile>, series: &str, warnings: &mut Warnings) -> Result<(), ReadError> {
+    for RefusedFile { series: other, error } in refused {
+        if other == series {
+            return Err(error);
+        }
+        warnings.count("files-refused", || {
+            let words = Message::from("files of other series that are no part of a volume were not read: ");
+            (FileLocation::File, words.message(&error.message))
+        });
+    }
+    Ok(())
+}
+
+/// The files in a list, and those that are refused, without those that are no slices.
+fn files_of<'a>(
     names: &[u8],
     beside: &mut DataFiles<'_, '_>,
     (limits, warnings): (&Limits, &mut Warnings),
-    files: &mut Vec<DicomFile<'_>>,
+    (files, refused): (&mut Vec<DicomFile<'a>>, &mut Vec<RefusedFile>),
 ) -> Result<(), ReadError> {
     let names = crate::text::text_of(names)?;
     let names = std::str::from_utf8(names)
@@ -85,7 +113,10 @@ fn files_of(
         let place = FileLocation::Line(line as u64 + 2);
         let bytes = beside.fetch(name, &place)?;
         match DicomFile::read(name, Cow::Owned(bytes), limits).map_err(|error| error.within(name))? {
-            Some(file) => push_large(files, file)?,
+            Some(PixelFile::Read(file)) => push_large(files, *file)?,
+            Some(PixelFile::Refused { series, error }) => {
+                push(refused, RefusedFile { series, error: error.within(name) })?;
+            }
             None => warnings.count("files-ignored", || {
                 (place, format!("files that are no slices were not read, {} first", show(name.as_bytes())))
             }),
@@ -101,7 +132,8 @@ fn single<'a>(bytes: &'a [u8], limits: &Limits) -> Result<DicomFile<'a>, ReadErr
         return Err(ReadError::new("bad-magic", FileLocation::Byte(128), message));
     }
     match DicomFile::read("", Cow::Borrowed(bytes), limits)? {
-        Some(file) if file.frames.len() > 1 => Ok(file),
+        Some(PixelFile::Read(file)) if file.frames.len() > 1 => Ok(*file),
+        Some(PixelFile::Refused { error, .. }) => Err(error),
         _ => {
             let message =
                 "this is one file of a series, and one slice is no volume: give the folder with all of them";
@@ -110,8 +142,9 @@ fn single<'a>(bytes: &'a [u8], limits: &Limits) -> Result<DicomFile<'a>, ReadErr
     }
 }
 
-/// What tells series apart: the identifier, the stack and the time.
-type SeriesKey<'a> = (&'a str, &'a str, u32);
+/// What tells series apart: the identifier, the file if it is one of masks, whose segments have numbers of its
+/// own, the stack and the time.
+type SeriesKey<'a> = (&'a str, &'a str, &'a str, u32);
 
 /// The slices of the only series, or of the chosen one.
 fn choose<'a>(files: &'a [DicomFile<'a>], limits: &Limits) -> Result<Vec<DicomSlice<'a>>, ReadError> {
@@ -120,19 +153,24 @@ fn choose<'a>(files: &'a [DicomFile<'a>], limits: &Limits) -> Result<Vec<DicomSl
         for number in 0..file.frames.len() {
             let slice = DicomSlice { file, number };
             let frame = slice.frame();
-            let key = (file.series.as_str(), frame.stack.as_deref().unwrap_or(""), frame.time.unwrap_or(0));
+            let masks = if file.segments.is_empty() { "" } else { file.name.as_str() };
+            let stack = frame.stack.as_deref().unwrap_or("");
+            let key = (file.series.as_str(), masks, stack, frame.time.unwrap_or(0));
             push(by_series.entry(key).or_default(), slice)?;
         }
     }
     let refused = |code, message: Message| Err(ReadError::new(code, FileLocation::File, message));
     let n = by_series.len();
     let listed = || {
-        let one = |(number, ((_, stack, time), slices)): (usize, (&SeriesKey<'_>, &Vec<DicomSlice<'_>>))| {
+        let one = |(number, (key, slices)): (usize, (&SeriesKey<'_>, &Vec<DicomSlice<'_>>))| {
+            let (_, masks, stack, time) = key;
             let name = show(slices[0].file.description.as_bytes());
+            let masks =
+                if masks.is_empty() { String::new() } else { format!(", file {}", show(masks.as_bytes())) };
             let stack =
                 if stack.is_empty() { String::new() } else { format!(", stack {}", show(stack.as_bytes())) };
             let time = if *time == 0 { String::new() } else { format!(", time {time}") };
-            format!("{number}: {name}{stack}{time} with {} slices", slices.len())
+            format!("{number}: {name}{masks}{stack}{time} with {} slices", slices.len())
         };
         by_series.iter().take(MOST_LISTED).enumerate().map(one).collect::<Vec<_>>().join(", ")
     };

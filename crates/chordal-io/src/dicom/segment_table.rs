@@ -2,7 +2,8 @@
 //!
 //! Source: NEMA, *DICOM PS3.3*, 2024, C.8.20.
 use super::attributes::{
-    DicomAttributes, SEGMENT_COLOR, SEGMENT_LABEL, SEGMENT_NUMBER, SEGMENTATION_KIND, SEGMENTS,
+    DicomAttributes, LARGEST_FRACTION, SEGMENT_COLOR, SEGMENT_LABEL, SEGMENT_NUMBER, SEGMENTATION_KIND,
+    SEGMENTS,
 };
 use crate::ReadError;
 use crate::volume::label_table::{LabelLook, MOST_ROWS};
@@ -14,6 +15,8 @@ pub(super) struct SegmentTable {
     looks: BTreeMap<i64, LabelLook>,
     /// Whether samples are numbers of segments, and not fractions of one.
     are_labels: bool,
+    /// The sample that means 1, if samples are fractions.
+    pub largest: Option<f64>,
 }
 
 impl SegmentTable {
@@ -28,7 +31,9 @@ impl SegmentTable {
             }
         }
         let kind = file.text(SEGMENTATION_KIND);
-        Ok(Self { looks, are_labels: matches!(kind.as_str(), "BINARY" | "LABELMAP") })
+        let largest = file.short(LARGEST_FRACTION).filter(|largest| kind == "FRACTIONAL" && *largest > 0);
+        let are_labels = matches!(kind.as_str(), "BINARY" | "LABELMAP");
+        Ok(Self { looks, are_labels, largest: largest.map(|largest| largest as f64) })
     }
 
     pub(super) fn is_empty(&self) -> bool {

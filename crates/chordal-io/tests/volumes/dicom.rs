@@ -1,5 +1,5 @@
 //! DICOM: slices by hand, in four ways to write them, as a series in a folder.
-use super::dicom_build::{element, in_pieces, packed_frames, stream_of};
+use super::dicom_build::{element, in_pieces, packed_frames, sequence, short, stream_of};
 use super::values;
 use crate::common::refuse;
 use chordal_io::{Axis, Content, Format, Limits, ReadError, Volume, Warning, dicom, read_with};
@@ -222,6 +222,66 @@ fn numbers_are_scaled_and_bits_beside_them_left_out() {
     let bytes = |z: f64| Slice { bits: [8, 8, 7, 0], pixels: vec![0, 1, 2, 3, 4, 255], ..Slice::at(z, 0) };
     let (volume, _) = load(&[bytes(0.0), bytes(1.0)]).unwrap();
     assert_eq!(values(&volume)[..6], [0.0, 1.0, 2.0, 3.0, 4.0, 255.0]);
+}
+
+#[test]
+fn bytes_in_big_endian_words_are_put_in_order() {
+    let slice = |z: f64| Slice {
+        syntax: "1.2.840.10008.1.2.2",
+        bits: [8, 8, 7, 0],
+        pixels: vec![1, 0, 3, 2, 5, 4],
+        ..Slice::at(z, 0)
+    };
+    let (volume, _) = load(&[slice(0.0), slice(1.0)]).unwrap();
+    assert_eq!(values(&volume)[..6], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+}
+
+/// The files of two slices, each with `more` before its pixels.
+fn with_element(more: &[u8]) -> Files {
+    let mut files = folder(&[Slice::at(0.0, 0), Slice::at(1.0, 6)]);
+    for bytes in files.values_mut() {
+        let at = bytes.windows(4).position(|four| four == [0xE0, 0x7F, 0x10, 0]).expect("pixels");
+        bytes.splice(at..at, more.iter().copied());
+    }
+    files
+}
+
+#[test]
+fn numbers_from_a_table_are_refused() {
+    let table = |items: &[Vec<u8>]| sequence([0x28, 0x3000], items, true);
+    let files = with_element(&table(&[short([0x28, 0x3002], 6)]));
+    let error = load_with(&files, &Limits::default()).unwrap_err();
+    assert_eq!(error.code, "unsupported");
+    assert!(error.message.contains("0.dcm: ") && error.message.contains("ModalityLUTSequence"), "{error}");
+    assert!(load_with(&with_element(&table(&[])), &Limits::default()).is_ok());
+}
+
+#[test]
+fn sequences_of_unknown_type_have_items_without_types() {
+    let plain = load_with(&with_element(&[]), &Limits::default()).unwrap().0;
+    // A comment of eight letters, whose length has no place for a type.
+    let comment = b"\x10\0\0\x40\x08\0\0\0abcdefgh";
+    let inner = sequence([0x29, 0x1010], &[comment.to_vec()], false);
+    // Without its type: the tag and the length.
+    let inner = [&inner[..4], &inner[8..]].concat();
+    let mut outer = sequence([0x19, 0x1010], &[[&comment[..], &inner].concat()], false);
+    outer[4..6].copy_from_slice(b"UN");
+    assert_eq!(load_with(&with_element(&outer), &Limits::default()).unwrap().0, plain);
+    let around = sequence([0x19, 0x1011], &[outer], false);
+    assert_eq!(load_with(&with_element(&around), &Limits::default()).unwrap().0, plain);
+}
+
+#[test]
+fn files_of_other_series_that_are_no_part_of_a_volume_are_counted() {
+    let picture = Slice { series: "1.2.9", channels: 3, ..Slice::at(0.0, 0) };
+    let bare = Slice { series: "1.2.8", position: String::new(), ..Slice::at(0.0, 0) };
+    let slices = [Slice::at(0.0, 0), picture.clone(), Slice::at(1.0, 0), bare];
+    let (volume, warnings) = load(&slices).unwrap();
+    assert_eq!(volume.grid.size(), [3, 2, 2]);
+    assert_eq!((warnings.len(), warnings[0].code, warnings[0].count), (1, "files-refused", 2));
+    assert!(warnings[0].message.contains("1.dcm: 3 samples a pixel"), "{:?}", warnings[0].message);
+    let error = load(&[picture]).unwrap_err();
+    assert_eq!((error.code, &error.message[..6]), ("several-channels", "0.dcm:"));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! DICOM: files with many frames, as enhanced CT and MR and segmentations write them.
 use super::dicom::{Files, load_with};
-use super::dicom_build::{Frames, in_pieces, masks, packed_frames, place, scale, sequence, stack, stream_of};
+use super::dicom_build::{
+    Frames, element, in_pieces, masks, packed_frames, place, scale, sequence, stack, stream_of, text,
+};
 use super::{load, values};
 use crate::common::refuse;
 use chordal_io::{Format, Limits, Volume, Warning};
@@ -43,6 +45,30 @@ fn the_scale_is_that_of_the_frame_or_else_of_all() {
     frames.groups[1].push(scale("0.5", "7"));
     let (volume, _) = frames.load();
     assert_eq!((values(&volume)[1], values(&volume)[7]), (1.0, 10.5));
+}
+
+#[test]
+fn groups_of_unknown_type_have_elements_without_types() {
+    let mut frames = Frames::at(&[0.0, 1.0]);
+    let scale = b"\x28\0\x52\x10\x02\0\0\0-1\x28\0\x53\x10\x02\0\0\x002 ".to_vec();
+    for is_defined in [true, false] {
+        let mut group = sequence([0x28, 0x9145], std::slice::from_ref(&scale), is_defined);
+        group[4..6].copy_from_slice(b"UN");
+        frames.groups[0].truncate(1);
+        frames.groups[0].push(group);
+        assert_eq!(values(&frames.load().0)[..3], [-1.0, 1.0, 3.0]);
+    }
+}
+
+#[test]
+fn fractions_of_a_segment_are_from_0_to_1() {
+    let mut frames = Frames { bits: [8, 8, 7, 0], ..Frames::at(&[0.0, 1.0]) };
+    let mut largest = Vec::new();
+    element(&mut largest, [0x62, 0xE], b"US", &4_u16.to_le_bytes(), [true, false]);
+    frames.segments = [text([0x62, 1], b"CS", "FRACTIONAL"), largest].concat();
+    frames.pixels.clear();
+    element(&mut frames.pixels, [0x7FE0, 0x10], b"OW", &[0, 1, 2, 3, 4, 0, 4, 0, 0, 0, 0, 0], [true, false]);
+    assert_eq!(values(&frames.load().0)[..7], [0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 1.0]);
 }
 
 #[test]
@@ -106,6 +132,7 @@ fn frames_without_places_or_pixels_are_refused() {
     assert_eq!(with(&|f| f.frames = "4".to_owned()).0, "unsupported");
     assert_eq!(with(&|f| f.frames = "99999999999999999999".to_owned()).0, "unsupported");
     assert_eq!(with(&|f| f.frames = "-1".to_owned()).0, "unsupported");
+    assert_eq!(with(&|f| f.groups = vec![Vec::new(); (1 << 20) + 1]).0, "too-large");
     assert_eq!(with(&|f| f.shared.clear()).0, "missing-attribute");
     assert_eq!(with(&|f| f.groups[1].clear()).0, "missing-attribute");
     let (code, message) = with(&|f| f.groups[1] = vec![place(0.0)]);
@@ -141,6 +168,25 @@ fn masks_of_a_segmentation_become_labels_on_one_lattice() {
         masks(&[(0.0, 1, [1, 1]), (4.0, 1, [1, 1]), (6.0, 300, [1, 1])], "").load().0.grid.size(),
         [8, 2, 4]
     );
+}
+
+#[test]
+fn masks_of_several_files_are_volumes_of_their_own() {
+    let file = |bits: u8| masks(&[(0.0, 1, [bits, 0]), (1.0, 1, [bits, 0])], "1").bytes();
+    let files: Files = [("a.dcm".to_owned(), file(1)), ("b.dcm".to_owned(), file(2))].into();
+    let error = load_with(&files, &Limits::default()).unwrap_err();
+    assert_eq!(error.code, "several-volumes");
+    assert!(error.message.contains("1: 'knee', file 'b.dcm' with 2 slices"), "{error}");
+    let (volume, _) = load_with(&files, &Limits { index: Some(1), ..Limits::default() }).unwrap();
+    assert_eq!(values(&volume)[..3], [0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn masks_may_state_a_rounded_distance() {
+    let rows: Vec<(f64, u16, [u8; 2])> = (0..90).map(|k| (f64::from(k) / 3.0, 1, [1, 0])).collect();
+    let (volume, _) = masks(&rows, "0.333").load();
+    assert_eq!(volume.grid.size(), [8, 2, 90]);
+    assert!((volume.grid.affine().steps()[2][2] - 1.0 / 3.0).abs() < 1e-12);
 }
 
 #[test]
