@@ -80,6 +80,8 @@ impl BridgeState {
         if let Some(slots) = message.get("slots").and_then(Value::as_u64) {
             self.slots.store(usize::try_from(slots).unwrap_or(usize::MAX), Ordering::Relaxed);
         }
+        // A fault of the cluster and not of a file, which ends the batch: a worker that fails at once
+        // would take all files.
         if let Some(fault) = message.get("fault").and_then(Value::as_str) {
             self.end(fault.to_owned());
         }
@@ -251,6 +253,8 @@ fn end_of(message: &Value, job: &BatchJob) -> JobEnd {
     let text = |key: &str| message.get(key).and_then(Value::as_str);
     let mut end = JobEnd {
         // Without a folder there is no output.
+        // Each try has a folder of its own, so that a worker that was given up disturbs nobody; the
+        // answer names it.
         output: text("folder")
             .map_or_else(PathBuf::new, |folder| job.work_folder.join(folder).join(&job.name)),
         exit: message.get("exit").and_then(Value::as_i64).and_then(|exit| i32::try_from(exit).ok()),

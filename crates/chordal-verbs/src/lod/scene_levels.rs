@@ -103,6 +103,8 @@ impl SceneLevels {
             let (lattice, measured) = match finisher.fit(&part.mesh, &chain, lattice, job)? {
                 LatticeFit::Free => (lattice, Vec::new()),
                 LatticeFit::Within(measured) => (lattice, measured),
+                // The levels of a part have one lattice or none: if one of them exceeds a limit, all stay in single
+                // precision.
                 LatticeFit::Exceeds => (None, Vec::new()),
             };
             let mut measured = measured.into_iter();

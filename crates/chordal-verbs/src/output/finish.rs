@@ -36,6 +36,7 @@ pub(crate) fn finish_triangles(
     certificate.notes.extend(losses(&scene, to)?.iter().map(Warning::counted));
     // From here on rows are those of the file: what is counted, dropped and digested below is what a reader finds.
     let mut scene = to_file_rows(scene, to)?;
+    // Before the bound is final, since it grows if no other triangle has the edge that such a face covered.
     if to.forbids_collapsed_faces() {
         let moved = drop_collapsed_faces(&mut scene)?;
         if moved.at_most() != Some(0.0) {

@@ -94,6 +94,8 @@ pub(crate) fn simplify_scene(
         };
         stats += simplified.shape.stats;
         let counts = [&part.mesh, &simplified.shape.mesh].map(|mesh| mesh.faces().len());
+        // Simplified a second time, since refusals of the first time do not tell: an edge that one limit refuses is
+        // often refused by the length, too.
         if HeldFaces::is_worth_asking(&share.budget, counts) {
             let free = Budget { attributes: AttributeLimits::default(), ..share.budget };
             let free = simplify_part(part, (&free, request.effort), job)?;
@@ -221,6 +223,8 @@ impl PartToFit<'_> {
             let Some(exceeded_limit) = limit.filter(|limit| moved > *limit && tries_left > 0) else {
                 return Ok(Some(FittedPart { simplified, rounded, step, moved: Some(moved) }));
             };
+            // At the first length that is missed: with the next one, nothing may collapse any more, and a pose of all
+            // triangles keeps any length.
             if tries_left == MOST_TRIES
                 && let Some(fitted) =
                     self.fit_in_pose(part, (full_budget, exceeded_limit), (attributes, job))?

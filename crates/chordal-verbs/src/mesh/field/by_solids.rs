@@ -108,6 +108,8 @@ pub(crate) fn draft_by_solids(
     if mesh.faces().is_empty() || mesh.faces().len() as u64 > most {
         return Ok(None);
     }
+    // Estimated even if the solids have a bound: a draft that is called proved could not be told from the proof after
+    // it.
     let bound = Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::Field);
     Ok(Some(request.snap(&mesh, bound, job)?))
 }
@@ -130,6 +132,7 @@ const TIDY_SHARE: f64 = 0.1;
 /// Removes most of the thin triangles that cuts leave; this needs no bound, since the result is proved against the field.
 fn tidied(mesh: Mesh, length: Tolerance, request: &MeshRequest, job: &Job) -> Mesh {
     let Ok(tolerance) = Tolerance::new(TIDY_SHARE * length.get()) else { return mesh };
+    // Without an operand nothing is cut: the engine only merges triangles that are flat within the length.
     let mesh = boolean_unchecked(&mesh, &[], Some(tolerance), job).unwrap_or(mesh);
     match simplify_mesh(&mesh, (&Budget::length(tolerance), request.effort), Topology::Indices, job) {
         Ok(simplified) => simplified.shape.mesh,

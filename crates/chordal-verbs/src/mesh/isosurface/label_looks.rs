@@ -69,6 +69,7 @@ const SHADES: [[f64; 2]; 3] = [[0.75, 0.95], [0.5, 0.8], [0.9, 0.65]];
 
 /// A colour for a label without one, in sRGB. It depends only on the label's number, so that it is the same in every file.
 fn color_of(label: i64) -> [f64; 3] {
+    // From the label itself: a remainder of it by a whole number gave some pairs of labels one colour.
     let hue = 6.0 * (label as f64 * HUE_STEP).rem_euclid(1.0);
     let [saturation, value] = SHADES[label.rem_euclid(SHADES.len() as i64) as usize];
     // Each channel is full within a sixth of the circle on either side of its hue, and decreases over the next sixth.
