@@ -125,6 +125,8 @@ impl MeshOrder {
         let duration = start.elapsed();
         let evaluations = (!self.calls.is_empty()).then(|| n_points() - n_before);
         let certificate = outcome.certificate.clone().spelled(&Keywords);
+        // The file says it in the words of the command, so that its bytes are the same wherever it is
+        // made.
         let outcome = Arc::new(outcome.spelled(&CommandLine));
         let rows = match &outcome.made {
             Tessellation::Triangles(_) => {

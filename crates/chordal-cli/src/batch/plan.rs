@@ -69,6 +69,7 @@ fn extension_of(path: &Path) -> String {
 
 /// `a/b.obj` as `a/b.glb`, or as `a/b.obj.glb`.
 fn output_of(relative: &Path, to: &str, keeps_extension: bool) -> PathBuf {
+    // For all files alike, so that a name does not depend on which others there are.
     let extension = extension_of(relative);
     let name = relative.file_name().unwrap_or_default();
     let mut output = name.to_owned();

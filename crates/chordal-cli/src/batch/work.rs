@@ -105,6 +105,7 @@ impl BatchWork<'_> {
     /// The entry of an earlier run with the same bytes, words and version, if its output still exists.
     pub fn is_done(&self, item: &BatchItem) -> Option<&ManifestEntry> {
         let entry = self.entries.by_input.get(&item.input_name).filter(|_| !self.redo)?;
+        // Files that the input or an option refers to are in no entry, and are not compared.
         let is_same = entry.exit == Some(0)
             && entry.words == self.words
             && entry.version == VERSION

@@ -76,6 +76,7 @@ pub(crate) fn total_bound(solid: &BooleanMesh, operand_bounds: &[&Bound]) -> Bou
         _ => (None, Evidence::Estimated),
     };
     let mut bound = Bound::with_evidence(0.0, at_most, evidence, solid.bound.reference.clone());
+    // Of sides in every case: a film without thickness changes no side, and may be far from the true surface.
     (bound.metric, bound.at) = (Metric::Solid, solid.bound.at);
     bound
 }

@@ -124,6 +124,7 @@ pub fn mend(
             format!("{to} has no indices of positions: copies on each other are one there again").into(),
         );
     }
+    // Readers refuse a file of nothing.
     if scene.parts.iter().all(|part| part.mesh.positions().is_empty()) {
         return Err(MeshFailure::refused(
             RefusalCode::Empty,

@@ -37,6 +37,7 @@ pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Opt
             _ => false,
         };
         if !skipped {
+            // On what the repairs before it have left: by itself it may do nothing, or harm.
             trial.attempt(cure, job)?;
         }
     }

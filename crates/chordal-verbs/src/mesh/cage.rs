@@ -244,6 +244,8 @@ const BYTES_OF_TEXCOORDS: u64 = 48;
 fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), MeshFailure> {
     let n_corners: usize = cage.faces().map(<[u32]>::len).sum();
     let is_for_triangles = cage.scheme().is_for_triangles();
+    // The first round makes a quad of each corner, and each later one four of a quad; triangles become four in every
+    // round.
     let first = if is_for_triangles { 4 * cage.n_faces() as u64 } else { n_corners as u64 };
     let parts_after = |rounds: u32| 4_u64.checked_pow(rounds).and_then(|parts| first.checked_mul(parts));
     let n_faces = if levels == 0 { Some(cage.n_faces() as u64) } else { parts_after(levels - 1) };
@@ -324,6 +326,7 @@ fn triangles(
     let mut rows = cage.texcoords().map(|texcoords| (texcoords, &texcoords.corners[..]));
     let mut texcoords = Vec::new();
     for (number, face) in cage.faces().enumerate() {
+        // Before holes are left out, since their corners have rows as well.
         let face_texcoords = rows.as_mut().map(|(texcoords, remaining)| {
             let (corners, after) = remaining.split_at(face.len());
             *remaining = after;
@@ -338,6 +341,7 @@ fn triangles(
         triangulator.polygon(&points, &mut cut);
         faces.extend(cut.iter().map(|local| local.map(|corner| face[corner as usize])));
         if let Some((values, corners)) = face_texcoords {
+            // A corner without a value gets 0, 0; a note counts such faces.
             let value = |corner: &u32| values.values.get(corners[*corner as usize] as usize).copied();
             texcoords.extend(cut.as_flattened().iter().flat_map(|corner| value(corner).unwrap_or_default()));
         }

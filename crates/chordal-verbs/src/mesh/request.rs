@@ -109,6 +109,7 @@ impl MeshRequest {
     /// If nothing is left of it, or the shape reaches the eye.
     pub fn reserve_rounding(&self, lost: f64) -> Result<Budget, MeshFailure> {
         let Self { budget, to, bounds, .. } = self;
+        // Rounding makes no triangle more, so that a count has nothing to reserve.
         if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
             return Ok(*budget);
         }

@@ -104,6 +104,8 @@ impl PartPlacement {
         match poses.pose(self.node) {
             Ok(None) => self,
             Ok(Some(pose)) => {
+                // In the coordinates of the scene, and not below the node: glTF ignores the transforms of a node with
+                // a skin.
                 let bounds = Box3::from_points(&pose.positions);
                 let posed = Some(PosedPlace { rounding: pose.rounding, bounds });
                 Self { is_identity: false, stretch: pose.stretch, posed, ..self }

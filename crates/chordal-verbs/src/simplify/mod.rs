@@ -429,6 +429,8 @@ fn uniform_budgets(
         }
         None => None,
     };
+    // Beside a length a count is no share of a part: each part goes as far as the length allows, and the sum is
+    // compared with the count at the end.
     let counts = match budget.triangles {
         Some(most) if length.is_none() => Some(triangle_shares(scene, (most, request.effort), job)?),
         _ => None,

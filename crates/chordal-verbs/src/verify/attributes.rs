@@ -223,6 +223,7 @@ impl AttributeComparison<'_> {
     ) -> Result<(), MeshFailure> {
         let tolerance = self.tolerance(semantic)?;
         let claimed = ["largest", "rms"].map(|key| facts.get(key).and_then(Value::as_f64));
+        // In which form the writer measured is not known: the form that agrees best counts.
         let mut best: Option<([FigureMatch; 2], &AttributeFacts)> = None;
         let mut has_samples = false;
         for pair in &self.pairs {
