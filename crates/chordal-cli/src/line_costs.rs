@@ -31,6 +31,8 @@ pub fn line_costs(input: &Input, within: Length, job: &Job) -> Result<Vec<LineCo
         .resolve(diagonal, whole.frame.metres_per_unit)
         .map_err(|error| Fault::usage(error.spelled(&CommandLine).to_string()))?;
     let cost = |line: Option<u64>, times: usize, shape: ImplicitShape| {
+        // A job of its own: a deadline ends the job that it is set for, and the next line has to start
+        // afresh.
         let mut line_job = Job::default().with_threads(job.threads);
         line_job.memory_limit = job.memory_limit;
         let spec = BudgetSpec { length: Some(Length::Plain(length.get())), ..BudgetSpec::default() };

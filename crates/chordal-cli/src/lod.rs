@@ -95,6 +95,7 @@ impl LodForm {
         let name = output.display().to_string();
         let is_folder = name.ends_with(std::path::is_separator) || output.is_dir();
         match extension(&name) {
+            // Before its extension: a folder may have one as well.
             _ if is_folder => Ok(Self::Tiles),
             _ if name == "-" => Ok(Self::OneFile(Format::Glb)),
             None => Ok(Self::Tiles),

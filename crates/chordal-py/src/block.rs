@@ -215,6 +215,7 @@ impl Block {
             .0
             .iter()
             .map(|[x, y, z, kind]| {
+                // The only level and sheet that keys of blocks have.
                 Ok(VertexKey { lattice: [*x, *y, *z], level: 0, kind: small(*kind)?, sheet: 0 })
             })
             .collect::<PyResult<_>>()?;

@@ -113,6 +113,8 @@ impl MeshOrder {
         let mut job = job.clone();
         job.proof_effort = self.task.patience().proof;
         let n_points = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
+        // The logs belong to the functions of the shape, and count the points of its earlier meshes as
+        // well.
         let n_before = n_points();
         let result = self.task.apply(Input::clone(&self.input), to, &job);
         let (outcome, unmet) = match result {

@@ -268,6 +268,7 @@ fn part_of_bytes(bytes: &[u8]) -> Option<SurfacePart> {
     let (coordinates, numbers) = numbers.split_at_checked(length(positions, 3)?)?;
     let (directions, numbers) = numbers.split_at_checked(length(normals, 3)?)?;
     let (keys, _) = numbers.split_at_checked(length(shared, SHARED_ROW)?)?;
+    // This cannot overflow: the bytes held all of these numbers.
     let before = NUMBER * (4 + 3 * (positions + normals) + SHARED_ROW * shared);
     let (indices, rest) = bytes.get(before..)?.as_chunks::<4>();
     if !rest.is_empty() || indices.len() != length(faces, 3)? {
@@ -283,11 +284,13 @@ fn part_of_bytes(bytes: &[u8]) -> Option<SurfacePart> {
     }
     let key = |row: &[[u8; NUMBER]; SHARED_ROW]| {
         let [row, x, y, z, kind] = row.map(i64::from_le_bytes);
+        // Keys of blocks have no other level and no sheet, so that neither is in the bytes.
         let key = VertexKey { lattice: [x, y, z], level: 0, kind: u8::try_from(kind).ok()?, sheet: 0 };
         u32::try_from(row).ok().filter(|row| (*row as usize) < positions).map(|row| (row, key))
     };
     let shared: Vec<(u32, VertexKey)> =
         keys.as_chunks::<SHARED_ROW>().0.iter().map(key).collect::<Option<_>>()?;
+    // Parts are joined in one pass over these rows, which would miss those that are out of order.
     if !shared.is_sorted_by_key(|(row, _)| *row) {
         return None;
     }

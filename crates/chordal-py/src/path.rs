@@ -118,6 +118,7 @@ pub(crate) fn path_at<'py>(
             (1, Some((piece, t))) => curve.segments()[piece].tangent(t),
             (2, Some((piece, t))) => curve.segments()[piece].second_derivative(t),
             (0, _) => curve.at(*s),
+            // A path that is a single point does not move.
             _ => [0.0; D],
         };
         bytes_of(&places.iter().map(at).collect::<Vec<_>>())

@@ -78,6 +78,7 @@ pub(crate) fn scene_array(
     if let Some(k) = attribute {
         mesh.attributes().get(k).ok_or_else(unknown)?;
     } else {
+        // Python gets the indices where they lie, as signed numbers.
         i32::try_from(mesh.positions().len()).map_err(|_| unknown())?;
     }
     let (name, has_ids) = (name.to_owned(), mesh.position_id().is_some());
@@ -103,6 +104,7 @@ pub(crate) fn scene_array(
 fn shown_attribute(py: Python<'_>, source: &Source, number: usize) -> PyResult<Array> {
     let scene = scene_in(source.input()).ok_or_else(|| failure::internal(py, "these are no triangles"))?;
     let meshes = scene.world_meshes().map_err(|error| failure::write(py, &error))?;
+    // The first part: whoever asks has made sure that there is no other.
     if let [] | [(_, Cow::Borrowed(_))] = &meshes[..] {
         return scene_array(py, source, Some(0), "attribute", Some(number));
     }

@@ -353,6 +353,7 @@ const FRAMED: f64 = 0.92;
 
 /// A camera with parallel rays along −z that sees the whole box.
 fn camera_above(bounds: &Box3, screen: Screen) -> Camera {
+    // Halved first, so that the sum of two large coordinates does not overflow.
     let middle = |k: usize| bounds.min[k] / 2.0 + bounds.max[k] / 2.0;
     let size = |k: usize| bounds.max[k] - bounds.min[k];
     let aspect = f64::from(screen.height_px) / f64::from(screen.width_px.max(1));

@@ -198,6 +198,7 @@ pub fn time_limit(
 /// assert!(chordal_verbs::parse_time("5").is_err());
 /// ```
 pub fn parse_time(text: &str) -> Result<Duration, String> {
+    // `ms` first, since it ends in `s` as well.
     let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0)];
     let split = units.iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
     let seconds = split.and_then(|(number, seconds)| Some(number.trim().parse::<f64>().ok()? * seconds));

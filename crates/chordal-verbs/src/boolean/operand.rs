@@ -137,6 +137,7 @@ fn turned_outward(
     job: &Job,
 ) -> Result<Mesh, MeshFailure> {
     let pieces = components(&mesh, Topology::Positions);
+    // If only some are inside out, they may be the walls of cavities in the others.
     if pieces.is_empty() || pieces.iter().any(|component| component.facing != Facing::InsideOut) {
         return Ok(mesh);
     }

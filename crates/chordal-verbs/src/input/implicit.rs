@@ -83,6 +83,7 @@ impl ImplicitShape {
     #[must_use]
     pub fn shapes_by_line(&self) -> Vec<LineShape> {
         let mut by_line: BTreeMap<u64, LineShape> = BTreeMap::new();
+        // Calls in a row are one run of their line, which may have several calls, or a loop within it.
         for run in self.lines.chunk_by(|a, b| a.line == b.line) {
             let Some(ShapeLine { line, field }) = run.last() else { continue };
             let field = field.clone();

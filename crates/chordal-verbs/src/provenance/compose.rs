@@ -107,6 +107,7 @@ pub fn join_input(input: Input, parts: &[&Input]) -> Result<Input, WriteError> {
         let rounding = nodes_rounding(scene_in(part)?);
         let part_error = composed.off();
         error = greater(
+            // A sum with 0 is exact: rounded up, it would say that triangles moved that did not.
             if part_error == 0.0 || rounding == 0.0 {
                 part_error + rounding
             } else {

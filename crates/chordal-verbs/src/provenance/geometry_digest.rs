@@ -81,6 +81,7 @@ fn read_digest(bytes: &[u8], to: Format, frame: &Frame) -> Option<String> {
 /// fewer bits, or grouped.
 fn is_kept_as_it_is(scene: &Scene, to: Format) -> bool {
     let is_plain = |part: &chordal_io::Part| {
+        // Some writers put faces of one group together, and so in another order.
         let is_grouped =
             |attribute: &chordal::explicit::Attribute| matches!(attribute.semantic, Semantic::Group(_));
         part.storage.is_none() && !part.is_deformed() && !part.mesh.attributes().iter().any(is_grouped)
@@ -154,6 +155,7 @@ fn straight_digest<const D: usize>(curves: &[Curve<D>]) -> Option<String> {
         let mut points = vec![curve.start()];
         points.extend(curve.segments().iter().map(|piece| piece.end()));
         if curve.is_closed() && points.len() > 1 {
+            // A closed curve ends where it starts, and a polyline names that point once.
             points.pop();
         }
         add_line(&mut digest, &points, curve.is_closed());

@@ -49,6 +49,7 @@ fn add(text: &mut String, value: &Value) {
 
 fn add_object(text: &mut String, map: &Map<String, Value>, counts: &dyn Fn(&str) -> bool) {
     let mut keys: Vec<&String> = map.keys().filter(|key| counts(key)).collect();
+    // Their order in the file is that of its writer.
     keys.sort_unstable();
     text.push('{');
     for (i, key) in keys.into_iter().enumerate() {

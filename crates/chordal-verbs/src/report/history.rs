@@ -320,6 +320,7 @@ pub(crate) fn gap(before: &StepFacts, next: &StepFacts) -> Option<HistoryStart> 
         ("triangles", Some("input triangles")) | ("volume", Some("trilinear interpolant")) => true,
         // The region inside of outlines may change by more than the outlines.
         ("drawing" | "curves", Some("curves")) => next.output.kind == input.kind,
+        // Refused below, with a reason of its own.
         (_, None) => true,
         _ => false,
     };

@@ -102,6 +102,7 @@ impl SurfaceEdgeFacts {
         }
         let mut worst: Vec<&EdgeJoin> = edges.joins.iter().filter(|join| join.geometric != Some(2)).collect();
         // Stable, so that equally bad edges stay in the order of the file.
+        // Gaps come first: they have no class, and `None` is less than any.
         worst.sort_by(|a, b| a.geometric.cmp(&b.geometric).then(badness(b).total_cmp(&badness(a))));
         facts.worst = worst.into_iter().take(MOST_EDGES).map(EdgeFacts::new).collect();
         facts

@@ -290,6 +290,7 @@ fn is_within(semantic: &Semantic, [a, b]: [&[f64]; 2], tolerance: f64) -> bool {
         return false;
     }
     if is_direction(semantic) && a.len() >= 3 {
+        // The fourth number of a tangent says on which side its bitangent is.
         let is_mirrored = a.len() > 3 && a[3] * b[3] < 0.0;
         return !is_mirrored && degrees_off([a, b].map(|v| [v[0], v[1], v[2]])) <= tolerance;
     }
@@ -307,6 +308,7 @@ pub(super) fn degrees_off([expected, actual]: [[f64; 3]; 2]) -> f64 {
     if actual == [0.0; 3] {
         return OPPOSITE;
     }
+    // By both products: an arc cosine would lose half of the digits at small angles.
     let turned = cross(expected, actual);
     atan2(dot(turned, turned).sqrt(), dot(expected, actual)).to_degrees()
 }

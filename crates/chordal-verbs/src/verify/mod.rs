@@ -268,6 +268,7 @@ fn digests_of(files: &Value) -> Vec<&str> {
 /// Whether the values of a step's bound are those of a certificate's bound.
 fn is_same_bound(bound: &StepBound, facts: &Value) -> bool {
     let stated = serde_json::to_value(bound).unwrap_or_default();
+    // By seals, which are of numbers in one form: another program may have written the certificate.
     let is_same =
         |(key, value): (&String, &Value)| facts.get(key).is_some_and(|fact| seal_of(fact) == seal_of(value));
     stated.as_object().is_some_and(|stated| stated.iter().all(is_same))
