@@ -23,6 +23,7 @@ pub enum FileVerdict {
 impl FileVerdict {
     /// The verdict of an entry.
     pub fn new(entry: &ManifestEntry) -> Self {
+        // A best result that was kept has a report in place of an error, and so no code.
         let is_unmet = entry.code.as_deref() == Some("unmet") || entry.output_sha256.is_some();
         match entry.exit {
             Some(0) => Self::Met,

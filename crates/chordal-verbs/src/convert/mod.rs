@@ -269,6 +269,7 @@ pub fn needs_mesh(shape: &Shape, to: Format) -> bool {
         Shape::Scene(_) => false,
         Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Volume(_) => to.holds_triangles(),
         Shape::Field(implicit) => {
+            // Only a field that does not depend on z has an outline in the plane.
             to.holds_triangles() || to.holds_polylines() && !implicit.field.tape().axes()[2]
         }
         Shape::Cage(_) => to.holds_triangles() && !to.holds_polygons(),

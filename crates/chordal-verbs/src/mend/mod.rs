@@ -138,6 +138,7 @@ pub fn mend(
 
 /// A note on closed pieces within others that do not face as a cavity does, with the assumption about them.
 fn nesting_note(mended: &[RepairFacts]) -> Option<Message> {
+    // The last, since pieces may be oriented twice, and the second time decides.
     let last_count = |what: &str| {
         let changes = mended.iter().rev().flat_map(|facts| &facts.changes);
         changes.filter(|change| change.what == what).map(|change| change.count).next().unwrap_or(0)

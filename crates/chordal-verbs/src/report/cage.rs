@@ -161,6 +161,7 @@ impl CageFacts {
                 on_border[vertex as usize] |= is_border;
             }
         }
+        // The valences within and on the border of a plane tiling by equal triangles, or by squares.
         let [inner, border] = if cage.scheme().is_for_triangles() { [6, 4] } else { [4, 3] };
         for (n, on_border) in valence.into_iter().zip(on_border) {
             match (n, on_border) {

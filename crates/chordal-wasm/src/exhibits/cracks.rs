@@ -120,6 +120,7 @@ fn grids(patches: &[Patch; 2], counts: [u32; 2]) -> Result<Mesh, String> {
 
 /// The vertices of a mesh on the shared side, in its order.
 fn seam_of(mesh: &Mesh) -> Polyline<3> {
+    // Exactly 0, as are all control points of the side.
     let mut points: Vec<[f64; 3]> = mesh.positions().iter().filter(|p| p[0] == 0.0).copied().collect();
     points.sort_by(|a, b| b[1].total_cmp(&a[1]));
     points.dedup();

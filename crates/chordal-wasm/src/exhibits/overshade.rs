@@ -77,6 +77,7 @@ pub(super) fn sheet(side: f64) -> Result<Mesh, String> {
     let high = 0.5 * 3.0_f64.sqrt() * side;
     // The screen's half diagonal is below 22 pixels.
     let n = (22.0 / high) as i32 + 2;
+    // Each row is shifted by half a triangle, and the outer ones have to reach across the screen too.
     let m = 2 * n;
     let at = |i: i32, j: i32| {
         let [x, y] = [side * (f64::from(i) + 0.5 * f64::from(j)), high * f64::from(j)];
