@@ -83,6 +83,7 @@ impl Array {
         rows: impl Fn(&T) -> ArrayData + Send + Sync + 'static,
     ) -> Self {
         let owner = Arc::clone(owner);
+        // A function instead of the address: raw pointers are not `Send`.
         Self(Box::new(move || rows(&owner)))
     }
 }
@@ -92,6 +93,7 @@ impl Array {
     /// numpy's array interface: the shape, the type, and the read-only address.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        // The interface has a sign for each of both orders, and none for that of the machine.
         let order = if cfg!(target_endian = "little") { '<' } else { '>' };
         let rows = (self.0)();
         let interface = PyDict::new(py);

@@ -74,6 +74,7 @@ pub(crate) fn scene_of(facts: &Value, blocks: &[impl Deref<Target = [u8]>]) -> R
     let mut nodes = list(&facts["nodes"]).iter().map(node_of).collect::<Result<Vec<_>, _>>()?;
     let mut roots = indices_in(&facts["roots"])?;
     if facts["nodes"].is_null() {
+        // Arrays come without nodes: each part is shown once, in its own coordinates.
         let shown =
             |(k, part): (usize, &Part)| Node { name: part.name.clone(), part: Some(k), ..Node::default() };
         nodes = parts.iter().enumerate().map(shown).collect();

@@ -108,6 +108,7 @@ fn largest<G: SampleGrid>(grid: &G, band: f64, judge: &BrickJudge<'_>, job: &Job
             if job.is_cancelled() {
                 break;
             }
+            // A brick is stored as a whole: the samples of any other are the background, which is no distance.
             if !grid.is_stored(first) {
                 continue;
             }

@@ -52,6 +52,7 @@ pub(crate) fn contour_field(
 ) -> Result<MeshOutcome, MeshFailure> {
     let field = implicit.clip_to_region();
     let Box3 { min, max } = field.bounds();
+    // The field does not depend on z, along which it has no end.
     if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
         return Err(MeshFailure::refused(RefusalCode::Unsupported, endless()));
     }

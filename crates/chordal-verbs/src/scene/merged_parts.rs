@@ -57,6 +57,7 @@ impl MergedParts {
 
     /// The placement of a face.
     pub fn place_of(&self, face: u32) -> usize {
+        // The last that starts at or before the face: placements without faces start where the next one does.
         self.places.partition_point(|(_, first)| *first <= face) - 1
     }
 

@@ -246,6 +246,8 @@ fn check_last_step(certificate: &Value, history: &HistoryFacts, claims: &mut Cla
         is_same_bound,
         "the last step of the history has another bound than the certificate",
     );
+    // The certificate itself has one input. A step that combined several, or read parts that were put together, has
+    // others.
     if let ([input], None) = (&last.inputs[..], &last.composed) {
         let is_same = fact("/input/sha256").as_str() == input.sha256.as_deref()
             && fact("/input/kind") == input.kind.as_str()
