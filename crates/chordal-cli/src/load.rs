@@ -165,6 +165,7 @@ impl RawInput {
 
     fn hint<'a>(&'a self, args: &'a InputArgs, letters: Option<&'a Letters>) -> FormatHint<'a> {
         let is_file = matches!(self.source, InputSource::File(_)) && !self.is_folder;
+        // The ending of a folder's name is no format.
         let name = is_file.then_some(self.name.as_str());
         FormatHint { name, format: args.read.from, set: &args.read.set, letters, region: args.read.region }
     }

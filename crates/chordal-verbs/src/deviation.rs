@@ -235,6 +235,7 @@ impl ComparedSurface {
             Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles)),
             Self::Volume(sampled) => sampled.within(share, job),
             Self::Patches(_, diagonal) | Self::Surfaces(_, diagonal) | Self::Cage(_, diagonal) => {
+                // The share may be that of the other shape's lattice, which says nothing of this one.
                 let tolerance = Tolerance::new(lesser(share, FIRST) * diagonal).map_err(|_| {
                     let message = "the shape has no size".to_owned();
                     MeshFailure::refused(RefusalCode::Empty, message)
@@ -326,6 +327,7 @@ impl ComparedPair {
             // this one.
             let stuck = off >= last_off;
             last_off = off;
+            // With a limit, ends that are near each other do not suffice: it may lie between them.
             if exact || decided || near && goal.max.is_none() || share <= FINEST || stuck {
                 // The distances of both meshes from their surfaces are in `off`, by which both ends were widened.
                 let mut bound = Bound::proved(least, most, reference);

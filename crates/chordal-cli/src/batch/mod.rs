@@ -240,6 +240,7 @@ impl BatchArgs {
     /// The options for a number of threads and an amount of memory, unless the options of the verb set them.
     fn share(&self, threads: usize, memory: Option<u64>) -> Vec<String> {
         let mut share = Vec::new();
+        // The verb of reports has no such option.
         if !self.verb.is_report() && !self.has_option("--threads") {
             share.extend(["--threads".to_owned(), threads.max(1).to_string()]);
         }

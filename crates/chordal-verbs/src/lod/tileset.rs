@@ -125,6 +125,7 @@ impl LodOutcome {
             "the proved error"
         };
         Tileset {
+            // The error of showing not even the root.
             geometric_error: add_up(mul_up(self.diagonal, self.metres()), root.geometric_error),
             root,
             extras: Some(json!({ "chordal": {
@@ -169,6 +170,7 @@ pub(super) fn root_of(mut roots: Vec<(Tile, Box3)>) -> Tile {
     let children: Vec<Tile> = roots.into_iter().map(|(tile, _)| tile).collect();
     let mut parent = Tile::leaf(tiles::aligned_box(&bounds), "");
     parent.contents.clear();
+    // It shows nothing, which is off by up to the size of everything below it.
     parent.geometric_error = add_up(largest_error(&children), bounds.diagonal());
     parent.children = children;
     parent
@@ -241,6 +243,7 @@ pub(super) fn placement_matrix(origin: [f64; 3], frame: &Frame) -> Option<Box<[f
     }
     let metres = frame.metres_per_unit.unwrap_or(1.0);
     let [x, y, z] = origin.map(|x| x * metres);
+    // To glTF, all that is not z-up is y-up, and viewers turn it.
     let [x, y, z] = if frame.up == Some(Axis::Z) { [x, y, z] } else { [x, -z, y] };
     Some(Box::new([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, y, z, 1.0]))
 }

@@ -125,6 +125,7 @@ fn check_distances(
 fn check_sides(enclosure: &Enclosure<'_>, (grid, error): (&Grid, f64), claims: &mut ClaimList) -> bool {
     let [nx, ny, nz] = grid.size();
     let rows = grid.affine().rows();
+    // No shorter than a step along the row: the sum of its coordinates.
     let step = (0..3).fold(0.0, |sum, k| add_up(sum, rows[k][0].abs()));
     let (mut wrong, mut unknown) = (0_u64, 0_u64);
     for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
