@@ -296,10 +296,12 @@ fn otsu_threshold(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
         if between > most {
             (best, most) = (k, between);
         }
+        // Equal to the bit: empty boxes change none of the numbers.
         if between == most {
             last = k;
         }
     }
+    // The level of a box is its upper end.
     low + 2.0 * width * (0.5 * (best + last + 2) as f64 / BOXES as f64)
 }
 

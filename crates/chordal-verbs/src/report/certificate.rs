@@ -158,6 +158,7 @@ impl Serialize for Certificate {
 
 /// The number of bytes of facts as JSON.
 fn n_bytes(facts: &impl Serialize) -> usize {
+    // Half of the range, since two of these are added.
     serde_json::to_string(facts).map_or(usize::MAX / 2, |text| text.len())
 }
 
