@@ -31,5 +31,6 @@ fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    // The file says `kB`, and means 1024 bytes.
     Some(kibibytes * 1024)
 }

@@ -218,6 +218,7 @@ impl BatchWork<'_> {
                     entry.exit = Some(fault.exit as i32);
                     entry.code = Some(fault.code.to_owned());
                     entry.error = Some(fault.lines.join("; "));
+                    // A second line, which replaces the first one for whoever reads the manifest.
                     state.manifest.append(&entry)?;
                 }
                 (entry, false)
