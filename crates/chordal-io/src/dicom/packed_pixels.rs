@@ -20,6 +20,16 @@ const RATIO: u64 = 1_000;
 /// computes in single precision, which holds integers of 24 bits.
 const MOST_BITS: u8 = 16;
 
+/// The samples of a frame as its packing holds them.
+struct PackedSamples {
+    /// Negative ones in two's complement.
+    samples: Vec<u16>,
+    /// The bits that the packing states for a sample.
+    bits: u8,
+    /// Whether the packing itself has a sign.
+    is_signed: bool,
+}
+
 /// The little-endian samples of the frame whose `packed` bytes start `at` a byte of the file.
 ///
 /// # Errors
@@ -47,7 +57,7 @@ pub(super) fn unpack(
         );
         return Err(ReadError::new("too-dense", place, message));
     }
-    let samples = match packing {
+    let packed = match packing {
         PixelPacking::Jpeg => jpeg(packed, format),
         PixelPacking::JpegLs => jpeg_ls(packed, format),
         PixelPacking::Jpeg2000 => jpeg_2000(packed, format),
@@ -55,10 +65,18 @@ pub(super) fn unpack(
             Err("are of a packing that is not read".to_owned())
         }
     };
-    let samples = samples
+    let PackedSamples { samples, bits, is_signed } = packed
         .map_err(|why| ReadError::new("bad-packing", place.clone(), format!("the packed pixels {why}")))?;
     if samples.len() as u64 != n {
         let message = format!("the packed pixels are {} samples; its size takes {n}", samples.len());
+        return Err(ReadError::new("size-mismatch", place, message));
+    }
+    // Without a sign of its own, the sign is the highest bit of the packing, or the highest that the file states.
+    let is_negative = |sample: &u16| u64::from(*sample) >> (bits.max(1) - 1) == 1;
+    let is_unclear = format.is_signed() && !is_signed && u64::from(bits) < format.bits_stored;
+    if is_unclear && samples.iter().any(is_negative) {
+        let stated = format.bits_stored;
+        let message = format!("the packed pixels have {bits} bits, and the file states {stated} with a sign");
         return Err(ReadError::new("size-mismatch", place, message));
     }
     let width = format.element.width();
@@ -70,7 +88,8 @@ pub(super) fn unpack(
             return Err(ReadError::new("size-mismatch", place, message));
         }
         // The bits above the stored ones of a negative sample are ones, which `decode` does not look at.
-        bytes.extend_from_slice(&u32::from(sample).to_le_bytes()[..width]);
+        let wide = if is_signed { sample as i16 as u32 } else { u32::from(sample) };
+        bytes.extend_from_slice(&wide.to_le_bytes()[..width]);
     }
     Ok(bytes)
 }
@@ -84,7 +103,7 @@ fn check_size((width, height): (u64, u64), format: &SliceFormat) -> Result<(), S
 }
 
 /// Samples of JPEG: baseline, extended or lossless, of up to 16 bits.
-fn jpeg(packed: &[u8], format: &SliceFormat) -> Result<Vec<u16>, String> {
+fn jpeg(packed: &[u8], format: &SliceFormat) -> Result<PackedSamples, String> {
     let broken = |error: oxiarc_jpeg::JpegError| format!("are no JPEG that is read: {error}");
     let limits = DecodeLimits {
         max_pixels: format.n_pixels(),
@@ -98,24 +117,43 @@ fn jpeg(packed: &[u8], format: &SliceFormat) -> Result<Vec<u16>, String> {
     let mut decoder = Decoder::with_options(packed, options);
     let info = decoder.read_info().map_err(broken)?;
     check_size((u64::from(info.width), u64::from(info.height)), format)?;
-    if info.precision > 8 {
-        return decoder.decode_u16().map_err(broken);
-    }
-    Ok(decoder.decode().map_err(broken)?.into_iter().map(u16::from).collect())
+    let samples = if info.precision > 8 {
+        decoder.decode_u16().map_err(broken)?
+    } else {
+        decoder.decode().map_err(broken)?.into_iter().map(u16::from).collect()
+    };
+    Ok(PackedSamples { samples, bits: info.precision, is_signed: false })
 }
 
 /// Samples of JPEG-LS, of up to 16 bits.
-fn jpeg_ls(packed: &[u8], format: &SliceFormat) -> Result<Vec<u16>, String> {
+fn jpeg_ls(packed: &[u8], format: &SliceFormat) -> Result<PackedSamples, String> {
     // Both have 16 bits in the file.
     let (columns, rows) = (format.columns as u32, format.rows as u32);
     let decoded = jpegls::decode(packed, columns, rows);
-    decoded.map(|(samples, _, _)| samples).map_err(|error| format!("are no JPEG-LS that is read: {error}"))
+    let (samples, _, _) = decoded.map_err(|error| format!("are no JPEG-LS that is read: {error}"))?;
+    let bits = bits_of_jpeg_ls(packed).ok_or("are no JPEG-LS that is read: it states no bits")?;
+    Ok(PackedSamples { samples, bits, is_signed: false })
+}
+
+/// The bits of a sample of JPEG-LS, from 2 to 16: the first byte of the frame's header, which the decoder does not
+/// hand out.
+///
+/// Source: ITU, *Recommendation T.87*, 1998, C.2.2.
+fn bits_of_jpeg_ls(packed: &[u8]) -> Option<u8> {
+    let mut at = 2;
+    loop {
+        let &[0xFF, marker, high, low, bits] = packed.get(at..at + 5)? else { return None };
+        if marker == 0xF7 {
+            return Some(bits).filter(|bits| (2..=16).contains(bits));
+        }
+        at += 2 + usize::from(u16::from_be_bytes([high, low]));
+    }
 }
 
 /// Samples of a codestream of JPEG 2000. Lossy ones are rounded to integers.
 ///
 /// Source: ITU, *Recommendation T.800*, 2019, A.5.1.
-fn jpeg_2000(packed: &[u8], format: &SliceFormat) -> Result<Vec<u16>, String> {
+fn jpeg_2000(packed: &[u8], format: &SliceFormat) -> Result<PackedSamples, String> {
     // The decoder allocates tiles and precincts before it decodes one.
     let (is_signed, bits) = codestream_headers::check(packed, (format.columns, format.rows))?;
     if bits > MOST_BITS {
@@ -138,5 +176,5 @@ fn jpeg_2000(packed: &[u8], format: &SliceFormat) -> Result<Vec<u16>, String> {
         let rounded = (f64::from(*x) + 0.5).floor() as i32;
         (rounded.clamp(0, most) - offset) as u16
     };
-    Ok(component.samples().iter().map(sample).collect())
+    Ok(PackedSamples { samples: component.samples().iter().map(sample).collect(), bits, is_signed })
 }

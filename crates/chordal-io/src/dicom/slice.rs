@@ -58,6 +58,11 @@ impl SliceFormat {
         Ok(Self { columns, rows, bits_stored, high_bit, element, endian })
     }
 
+    /// Whether samples have a sign.
+    pub(super) fn is_signed(&self) -> bool {
+        matches!(self.element, SampleType::I8 | SampleType::I16 | SampleType::I32)
+    }
+
     /// The samples of a slice.
     pub(super) fn n_pixels(&self) -> u64 {
         // Rows and columns have 16 bits each.
@@ -73,7 +78,7 @@ impl SliceFormat {
     pub(super) fn decode(&self, bytes: &[u8], out: &mut Vec<u8>) -> Result<(), ReadError> {
         out.try_reserve(bytes.len()).map_err(|_| crate::grow::out_of_memory(out.len()))?;
         let width = self.element.width();
-        let is_signed = matches!(self.element, SampleType::I8 | SampleType::I16 | SampleType::I32);
+        let is_signed = self.is_signed();
         // Both are counts of bits in a u64.
         let (left, right) = (63 - self.high_bit, 64 - self.bits_stored);
         for sample in bytes.chunks_exact(width) {

@@ -409,6 +409,24 @@ fn packed_slices_hold_the_samples_that_other_programs_unpack() {
 }
 
 #[test]
+fn packed_slices_of_fewer_bits_than_stated_have_no_unclear_sign() {
+    let names =
+        ["lossless JPEG of 12 bits", "extended JPEG of 12 bits", "JPEG-LS of 8 bits", "JPEG 2000 of 12 bits"];
+    for frame in packed_frames().iter().filter(|frame| names.contains(&frame["name"].as_str().unwrap())) {
+        let with = |is_signed: u16| {
+            load(&[0.0, 1.0].map(|z| Slice { bits: [16, 16, 15, is_signed], ..packed_slice(frame, z) }))
+        };
+        assert_eq!(
+            values(&with(0).unwrap().0),
+            values(&load(&[0.0, 1.0].map(|z| packed_slice(frame, z))).unwrap().0)
+        );
+        let error = with(1).unwrap_err();
+        assert_eq!(error.code, "size-mismatch");
+        assert!(error.message.contains(" bits, and the file states 16 with a sign"), "{error}");
+    }
+}
+
+#[test]
 fn packed_slices_that_are_cut_or_changed_end_well() {
     for frame in packed_frames() {
         let good = packed_slice(&frame, 1.0);
