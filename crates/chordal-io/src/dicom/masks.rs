@@ -36,9 +36,11 @@ pub(super) fn labels_of(
         let message = "the segmentation has one slice; a volume has 2 or more along each axis";
         return Err(refused("flat-volume", &lowest, message));
     };
-    // A stated distance is rounded, and adds up over many slices: positions tell it better.
-    let even = (high - low) / ((high - low) / step + 0.5).floor();
-    let step = if (even - step).abs() <= PLACE * step { even } else { step };
+    // A stated distance may be rounded, which adds up over many slices.
+    let n_steps = ((high - low) / step + 0.5).floor();
+    let (off, even) = (high - low - n_steps * step, (high - low) / n_steps);
+    let is_rounded = off.abs() > PLACE * step && (even - step).abs() <= PLACE * step;
+    let step = if is_rounded { even } else { step };
     let format = first.file.format;
     // The conversion saturates; the size is checked below.
     let n_slices = ((high - low) / step + 0.5).floor() as i64 + 1;

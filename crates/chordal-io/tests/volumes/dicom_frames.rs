@@ -187,6 +187,10 @@ fn masks_may_state_a_rounded_distance() {
     let (volume, _) = masks(&rows, "0.333").load();
     assert_eq!(volume.grid.size(), [8, 2, 90]);
     assert!((volume.grid.affine().steps()[2][2] - 1.0 / 3.0).abs() < 1e-12);
+    // Here the positions are rounded, and the distance is not.
+    let place = |k: u32| (62.5 * f64::from(k) + 0.5).floor() / 100.0;
+    let rows: Vec<(f64, u16, [u8; 2])> = (0..100).map(|k| (place(k), 1, [1, 0])).collect();
+    assert_eq!(masks(&rows, "0.625").load().0.grid.affine().steps()[2][2], 0.625);
 }
 
 #[test]
