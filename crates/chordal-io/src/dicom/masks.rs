@@ -10,8 +10,9 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::implicit::{Affine3, Samples};
 
-/// The labels of masks, one mask for each segment and slice; slices without a mask are empty. A sample in
-/// several segments has the smallest of their numbers, with a warning.
+/// The labels of masks, one mask for each segment and slice, or one map of numbers of segments for each slice;
+/// slices without either are empty. A sample in several segments has the smallest of their numbers, with a
+/// warning.
 ///
 /// # Errors
 /// If masks are not at steps of a lattice, have no segment, or the lattice exceeds a limit.
@@ -46,10 +47,15 @@ pub(super) fn labels_of(
     let n_slices = ((high - low) / step + 0.5).floor() as i64 + 1;
     let place = FileLocation::File;
     let largest = masks.iter().filter_map(|mask| mask.frame().segment).max().unwrap_or(0);
-    let element = if largest > 0xFF { SampleType::U16 } else { SampleType::U8 };
+    let element = match format.element {
+        SampleType::Bool if largest > 0xFF => SampleType::U16,
+        SampleType::Bool => SampleType::U8,
+        map => map,
+    };
     let size = size_of([format.columns as i64, format.rows as i64, n_slices], element, &place, limits)?;
     let n = size.iter().product::<usize>();
-    let stored: u64 = masks.iter().map(|mask| mask.file.format.n_pixels().div_ceil(8)).sum();
+    let stored: u64 =
+        masks.iter().map(|mask| mask.file.sizes().0.div_ceil(mask.file.frames.len() as u64)).sum();
     if UnpackCap::VOLUME.is_too_dense((n * element.width()) as u64, stored) {
         let message = format!("the segmentation {}", UnpackCap::VOLUME.too_dense(stored));
         return Err(refused("too-dense", &first, &message));
@@ -62,10 +68,7 @@ pub(super) fn labels_of(
     let origin = lowest.frame().position;
     let steps = normal.map(|x| x / length * step);
     for mask in &masks {
-        mask.file.check_bits().map_err(|error| error.within(&mask.name()))?;
-        let Some(number) = mask.frame().segment.filter(|number| *number > 0) else {
-            return Err(refused("missing-attribute", mask, "the mask names no segment"));
-        };
+        let numbers = numbers_of(mask).map_err(|error| error.within(&mask.name()))?;
         let k = ((along(mask) - low) / step + 0.5).floor();
         let offset: [f64; 3] =
             std::array::from_fn(|axis| mask.frame().position[axis] - (origin[axis] + k * steps[axis]));
@@ -75,11 +78,9 @@ pub(super) fn labels_of(
             return Err(refused("uneven-slices", mask, &message));
         }
         let slice = &mut labels[k as usize * n_pixels..][..n_pixels];
-        for (pixel, label) in slice.iter_mut().enumerate() {
-            if mask.file.bit(mask.number, pixel) {
-                overlaps += u64::from(*label != 0 && *label != number);
-                *label = if *label == 0 { number } else { *label };
-            }
+        for (label, number) in slice.iter_mut().zip(numbers).filter(|(_, number)| *number > 0) {
+            overlaps += u64::from(*label != 0 && *label != number);
+            *label = if *label == 0 || number < *label { number } else { *label };
         }
     }
     if overlaps > 0 {
@@ -96,4 +97,26 @@ pub(super) fn labels_of(
     let mut bytes = with_room(n)?;
     bytes.extend(labels.iter().map(|label| *label as u8));
     Ok((size, Samples::U8(bytes), affine))
+}
+
+/// The number of a segment for each sample of a mask or of a map, 0 outside.
+fn numbers_of(mask: &DicomSlice<'_>) -> Result<Vec<u16>, ReadError> {
+    let format = mask.file.format;
+    // The size of a slice is checked by now.
+    let mut numbers = with_room(format.n_pixels() as usize)?;
+    if format.element == SampleType::Bool {
+        mask.file.check_bits()?;
+        let Some(number) = mask.frame().segment.filter(|number| *number > 0) else {
+            let message = "the mask names no segment";
+            return Err(ReadError::new("missing-attribute", FileLocation::File, message));
+        };
+        let is_in = |pixel: usize| mask.file.bit(mask.number, pixel);
+        numbers.extend((0..format.n_pixels() as usize).map(|pixel| if is_in(pixel) { number } else { 0 }));
+        return Ok(numbers);
+    }
+    let mut bytes = Vec::new();
+    mask.file.append_samples(mask.number, &mut bytes)?;
+    let number = |sample: &[u8]| sample.iter().rev().fold(0, |number, byte| number << 8 | u16::from(*byte));
+    numbers.extend(bytes.chunks_exact(format.element.width()).map(number));
+    Ok(numbers)
 }

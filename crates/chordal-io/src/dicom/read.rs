@@ -61,7 +61,9 @@ pub fn read_with(
     let slices = choose(&files, limits)?;
     let first = slices[0];
     check_refused(refused, &first.file.series, &mut warnings)?;
-    let (size, samples, affine) = if first.file.format.element == SampleType::Bool {
+    let element = first.file.format.element;
+    let is_map = first.file.segments.is_map && matches!(element, SampleType::U8 | SampleType::U16);
+    let (size, samples, affine) = if element == SampleType::Bool || is_map {
         labels_of(slices, limits, &mut warnings)?
     } else {
         volume_of(slices, limits, &mut warnings)?

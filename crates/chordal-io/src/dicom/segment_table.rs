@@ -15,6 +15,8 @@ pub(super) struct SegmentTable {
     looks: BTreeMap<i64, LabelLook>,
     /// Whether samples are numbers of segments, and not fractions of one.
     are_labels: bool,
+    /// Whether a frame holds the numbers of all segments.
+    pub is_map: bool,
     /// The sample that means 1, if samples are fractions.
     pub largest: Option<f64>,
 }
@@ -33,7 +35,8 @@ impl SegmentTable {
         let kind = file.text(SEGMENTATION_KIND);
         let largest = file.short(LARGEST_FRACTION).filter(|largest| kind == "FRACTIONAL" && *largest > 0);
         let are_labels = matches!(kind.as_str(), "BINARY" | "LABELMAP");
-        Ok(Self { looks, are_labels, largest: largest.map(|largest| largest as f64) })
+        let is_map = kind == "LABELMAP";
+        Ok(Self { looks, are_labels, is_map, largest: largest.map(|largest| largest as f64) })
     }
 
     pub(super) fn is_empty(&self) -> bool {

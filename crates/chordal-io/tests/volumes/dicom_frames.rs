@@ -182,6 +182,33 @@ fn masks_of_several_files_are_volumes_of_their_own() {
 }
 
 #[test]
+fn maps_of_labels_may_lack_slices() {
+    for bytes in [1, 2] {
+        let rows = [(0.0, 1, [0, 0]), (4.0, 1, [0, 0]), (2.0, 1, [0, 0]), (8.0, 1, [0, 0])];
+        let mut frames =
+            Frames { size: [2, 2], bits: [8 * bytes, 8 * bytes, 8 * bytes - 1, 0], ..masks(&rows, "2") };
+        // "BINARY" becomes a word that is two letters longer.
+        frames.segments[8..14].copy_from_slice(b"LABELM");
+        frames.segments.splice(14..14, *b"AP");
+        frames.segments[6] = 8;
+        frames.groups = [0.0, 4.0, 2.0, 8.0].map(|z| vec![place(z)]).into();
+        let samples: Vec<u8> =
+            (0..16_u16).flat_map(|k| [k as u8, 1][..usize::from(bytes)].to_vec()).collect();
+        frames.pixels.clear();
+        element(&mut frames.pixels, [0x7FE0, 0x10], b"OW", &samples, [true, false]);
+        let (volume, warnings) = frames.load();
+        assert!(warnings.is_empty(), "{warnings:?}");
+        let more = if bytes == 2 { 256.0 } else { 0.0 };
+        let expected = [0, 1, 2, 3, 8, 9, 10, 11, 4, 5, 6, 7].map(|k| f64::from(k) + more);
+        assert_eq!(volume.grid.size(), [2, 2, 5]);
+        assert_eq!(values(&volume)[..12], expected);
+        assert_eq!(values(&volume)[12..16], [0.0; 4]);
+        assert_eq!(values(&volume)[16..], [12, 13, 14, 15].map(|k| f64::from(k) + more));
+        assert_eq!(volume.labels[&7].name, "skin");
+    }
+}
+
+#[test]
 fn masks_may_state_a_rounded_distance() {
     let rows: Vec<(f64, u16, [u8; 2])> = (0..90).map(|k| (f64::from(k) / 3.0, 1, [1, 0])).collect();
     let (volume, _) = masks(&rows, "0.333").load();
