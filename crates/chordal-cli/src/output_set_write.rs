@@ -126,13 +126,25 @@ fn commit(staged: &[StagedFile], existing: OverwritePolicy) -> Result<(), Fault>
     let mut done: Vec<(&Path, &Path)> = Vec::new();
     let renamed = rename_all(staged, existing, &mut done);
     renamed.map_err(|(path, error)| {
-        // A file whose rename cannot be undone keeps its recognizable temporary name.
-        done.iter().rev().for_each(|(from, to)| drop(fs::rename(to, from)));
+        undo(staged, &done);
         match error.kind() {
             io::ErrorKind::AlreadyExists => exists(path),
             _ => Fault::output("unwritable", format!("{}: {}", path.display(), plainly(&error))),
         }
     })
+}
+
+/// Undoes renames. An old file whose rename cannot be undone keeps its recognizable temporary name.
+fn undo(staged: &[StagedFile], done: &[(&Path, &Path)]) {
+    for (from, to) in done.iter().rev() {
+        if fs::rename(to, from).is_err() {
+            staged
+                .iter()
+                .filter_map(|file| file.old.as_ref())
+                .filter(|old| old.path() == *to)
+                .for_each(TempOutput::keep);
+        }
+    }
 }
 
 /// Renames all files, and records each rename in `done`.
@@ -213,5 +225,21 @@ mod tests {
         for kept in [&paths[0], &paths[2]] {
             assert_eq!(fs::read(kept).unwrap(), b"old");
         }
+    }
+
+    #[test]
+    fn an_old_file_that_cannot_go_back_keeps_its_temporary_name() {
+        let folder = Folder::new("set-not-undone");
+        let path: PathBuf = folder.file("a.bin", "old").into();
+        let old = TempOutput::create(&path).unwrap();
+        fs::rename(&path, old.path()).unwrap();
+        let kept = old.path().to_owned();
+        // A folder takes the name of the file before it is back.
+        fs::create_dir(&path).unwrap();
+        let staged =
+            [StagedFile { new: TempOutput::create(&path).unwrap(), path: path.clone(), old: Some(old) }];
+        undo(&staged, &[(&path, &kept)]);
+        drop(staged);
+        assert_eq!(fs::read(&kept).unwrap(), b"old");
     }
 }

@@ -8,6 +8,7 @@ use crate::host;
 use crate::overwrite::{OverwritePolicy, exists, parent, refuse_occupied};
 use crate::signal;
 use chordal_io::WriteError;
+use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ pub type OutputWriter<'a> = &'a mut dyn FnMut(&mut dyn Write) -> Result<(), Writ
 pub struct TempOutput {
     file: File,
     path: PathBuf,
+    is_kept: Cell<bool>,
 }
 
 impl TempOutput {
@@ -37,7 +39,7 @@ impl TempOutput {
             let path = folder.join(format!(".chordal-{}-{attempt}.tmp", host::process_number()));
             match signal::create_unfinished(&path, Box::new(signal::remove_file), || File::create_new(&path))
             {
-                Ok(file) => return Ok(Self { file, path }),
+                Ok(file) => return Ok(Self { file, path, is_kept: Cell::new(false) }),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(failed(&error)),
             }
@@ -48,6 +50,12 @@ impl TempOutput {
     /// The temporary path.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Leaves the file under its temporary name.
+    pub fn keep(&self) {
+        self.is_kept.set(true);
+        signal::forget_unfinished(&self.path);
     }
 
     /// Writes the output of `fill`, syncs it, and returns the number of bytes.
@@ -89,6 +97,9 @@ impl TempOutput {
 
 impl Drop for TempOutput {
     fn drop(&mut self) {
+        if self.is_kept.get() {
+            return;
+        }
         // After a commit nothing has this name, and the removal fails harmlessly.
         let _ = fs::remove_file(&self.path);
         signal::forget_unfinished(&self.path);

@@ -78,7 +78,7 @@ impl LevelSource<'_> {
     }
 
     fn max_tile_triangles(&self) -> usize {
-        self.spec.tile_triangles.map_or(usize::MAX, |most| usize::try_from(most).unwrap_or(usize::MAX))
+        self.spec.tile_triangles.map_or(usize::MAX, |most| usize::try_from(most).unwrap_or(usize::MAX).max(1))
     }
 
     fn of_scene(

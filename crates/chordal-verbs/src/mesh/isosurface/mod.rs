@@ -267,7 +267,7 @@ fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<Message>) {
         for y in 0..ny {
             // A row within the volume is on its border with the first and the last sample alone.
             let is_border = z == 0 || z + 1 == nz || y == 0 || y + 1 == ny;
-            let step = if is_border { 1 } else { nx - 1 };
+            let step = if is_border { 1 } else { (nx - 1).max(1) };
             n += (0..nx).step_by(step).filter(|x| is_inside(grid.sample([*x, y, z]))).count() as u64;
         }
     }
@@ -365,7 +365,9 @@ fn mesh_labels(
         scene.nodes.extend(label_scene.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
         // Each label has one part and one node, so that the index of the one is that of the other.
         scene.roots.push(at);
-        let is_worse = worst.as_ref().is_none_or(|worst| bound.at_most() > worst.at_most());
+        // An unknown error may be any.
+        let largest = |bound: &Bound| bound.at_most().unwrap_or(f64::INFINITY);
+        let is_worse = worst.as_ref().is_none_or(|worst| largest(&bound) > largest(worst));
         worst = if is_worse { Some(bound) } else { worst };
     }
     looks.add_materials(&mut scene);
