@@ -2,12 +2,12 @@
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::fault::Fault;
 use crate::input::InputSource;
+use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
 use crate::options::TableArgs;
 use crate::output::OutputTarget;
 use crate::output_folder::{FolderPlace, OutputFolder};
 use crate::output_set::OutputSetArgs;
-use crate::overwrite::parent;
 use crate::spelling::CommandLine;
 use crate::summary::{SummaryLines, attribute};
 use crate::temp_output::OutputWriter;
@@ -145,10 +145,9 @@ impl LodOutput {
             Self::OneFile(target, format) => return Ok(OpenOutput::OneFile(target, format)),
             Self::Tiles(place) => place,
         };
-        let beside = parent(&args.input.input);
         // The folder is replaced as a whole, with everything in it that the input refers to.
-        let files = input.files.iter().map(|file| beside.join(&file.path));
-        files.into_iter().try_for_each(|file| refuse_inside(&place, &file, &args.output.output))?;
+        load::files_beside(&args.input, input)
+            .try_for_each(|file| refuse_inside(&place, &file, &args.output.output))?;
         let name = place.join(LIST).display().to_string();
         Ok(OpenOutput::Tiles(place.open()?, name))
     }

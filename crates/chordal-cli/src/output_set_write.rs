@@ -38,7 +38,7 @@ impl OutputSetArgs {
         one: OutputWriter,
         several: impl FnOnce(&str) -> Result<FileSet<'a>, WriteError>,
     ) -> Result<u64, Fault> {
-        let SetPlace { target, input, console, names_files } = *to;
+        let SetPlace { target, input, beside, console, names_files } = *to;
         let OutputTarget::File { path, existing } = target else {
             if names_files {
                 let message = "the materials of an OBJ are separate files, which stdout cannot hold: they were left out";
@@ -55,7 +55,8 @@ impl OutputSetArgs {
         let folder = parent(input);
         let mut read: Vec<PathBuf> =
             certificate.input.files.iter().map(|file| folder.join(&file.path)).collect();
-        read.push(input.to_owned());
+        // Files below an allowed folder are relative to that one.
+        read.extend(beside.iter().cloned().chain([input.to_owned()]));
         write_set(path, *existing, &set, &read)
     }
 }
@@ -66,6 +67,8 @@ pub struct SetPlace<'a> {
     pub target: &'a OutputTarget,
     /// The file that was read.
     pub input: &'a Path,
+    /// The possible paths of the files that it references.
+    pub beside: &'a [PathBuf],
     /// Prints warnings about omitted files.
     pub console: &'a Console,
     /// Whether the document references other files even without `--separate`.

@@ -19,6 +19,7 @@ use chordal::Job;
 use chordal::budget::advice::{Message, Spell};
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{Input, MeshFailure};
+use std::path::PathBuf;
 
 /// The arguments of every verb that writes a file.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,8 @@ pub struct VerbRun<'a> {
     source: InputSource,
     stdout: StdoutUse,
     input_triangles: Option<u64>,
+    /// The possible paths of the files that the input references.
+    files_read: Vec<PathBuf>,
 }
 
 impl<'a> VerbRun<'a> {
@@ -80,6 +83,7 @@ impl<'a> VerbRun<'a> {
             source: InputSource::from_arg(&args.input.input),
             stdout,
             input_triangles: None,
+            files_read: Vec::new(),
         })
     }
 
@@ -117,6 +121,7 @@ impl<'a> VerbRun<'a> {
     ) -> Result<Input, Fault> {
         let input = read(self.args.input, &self.job, &self.console)?;
         self.input_triangles = input.shape.n_triangles();
+        self.files_read = load::files_beside(self.args.input, &input).collect();
         Ok(input)
     }
 
@@ -150,7 +155,8 @@ impl<'a> VerbRun<'a> {
 
     /// Where a result goes that may be several files.
     pub fn place<'b>(&'b self, target: &'b OutputTarget, names_files: bool) -> SetPlace<'b> {
-        SetPlace { target, input: &self.args.input.input, console: &self.console, names_files }
+        let (input, beside) = (&*self.args.input.input, &*self.files_read);
+        SetPlace { target, input, beside, console: &self.console, names_files }
     }
 
     /// Prints the notes, if verbose, of a verb whose summary does not list them.

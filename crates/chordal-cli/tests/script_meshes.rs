@@ -87,6 +87,26 @@ fn a_mesh_that_a_script_read_is_never_replaced() {
     run(&["mesh", &script, "--allow", allow, "--tol", "2%", "-o", &far, "--force"])
         .fails_with(4, &["a file that the input references"]);
     assert_eq!(std::fs::read_to_string(&far).unwrap(), CLOSED_OBJ);
+    let tiles = format!("{allow}/");
+    run(&["lod", &script, "--allow", allow, "--tol", "2%", "-o", &tiles, "--force"])
+        .fails_with(4, &["allowed"]);
+    assert_eq!(std::fs::read_to_string(&far).unwrap(), CLOSED_OBJ);
+}
+
+#[test]
+fn a_buffer_in_an_allowed_folder_is_never_replaced() {
+    let folder = Folder::new("allowed-buffer");
+    for name in ["allowed", "scenes"] {
+        std::fs::create_dir_all(folder.path(name)).unwrap();
+    }
+    let [scene, far] = ["scenes/x.gltf", "allowed/x.gltf"].map(|name| folder.text(name));
+    run(&["convert", &folder.file("part.obj", CLOSED_OBJ), &far, "--separate"]).succeeds();
+    std::fs::rename(&far, &scene).unwrap();
+    let buffer = std::fs::read(folder.path("allowed/x.bin")).unwrap();
+    let allow = folder.text("allowed");
+    run(&["convert", &scene, &far, "--separate", "--force", "--allow", &allow])
+        .fails_with(4, &["the output is a file of the input"]);
+    assert_eq!(std::fs::read(folder.path("allowed/x.bin")).unwrap(), buffer);
 }
 
 #[test]
