@@ -18,6 +18,7 @@ pub(super) const PLANE_POSITION: DicomTag = [0x0020, 0x9113];
 pub(super) const PLANE_ORIENTATION: DicomTag = [0x0020, 0x9116];
 pub(super) const TIME_INDEX: DicomTag = [0x0020, 0x9128];
 pub(super) const SAMPLES: DicomTag = [0x0028, 0x0002];
+pub(super) const COLOR_MODEL: DicomTag = [0x0028, 0x0004];
 pub(super) const FRAMES: DicomTag = [0x0028, 0x0008];
 pub(super) const ROWS: DicomTag = [0x0028, 0x0010];
 pub(super) const COLUMNS: DicomTag = [0x0028, 0x0011];
@@ -45,7 +46,7 @@ pub(super) const LONG_OFFSETS: DicomTag = [0x7FE0, 0x0001];
 pub(super) const PIXELS: DicomTag = [0x7FE0, 0x0010];
 
 /// The tags that are kept.
-const USED: [DicomTag; 36] = [
+const USED: [DicomTag; 37] = [
     DESCRIPTION,
     SPACING_BETWEEN,
     SERIES,
@@ -57,6 +58,7 @@ const USED: [DicomTag; 36] = [
     PLANE_ORIENTATION,
     TIME_INDEX,
     SAMPLES,
+    COLOR_MODEL,
     FRAMES,
     ROWS,
     COLUMNS,

@@ -1,7 +1,7 @@
 //! `DicomFile`: one file of a series, with the frames in it, one or many.
 use super::attributes::{
-    DESCRIPTION, DicomAttributes, FRAMES, GROUPS_OF_FRAMES, LONG_OFFSETS, PIXELS, SERIES, SHARED_GROUPS,
-    VALUE_TABLE, missing, text_of,
+    COLOR_MODEL, DESCRIPTION, DicomAttributes, FRAMES, GROUPS_OF_FRAMES, LONG_OFFSETS, PIXELS, SERIES,
+    SHARED_GROUPS, VALUE_TABLE, missing, text_of,
 };
 use super::elements::{DicomElement, DicomElements, DicomSyntax, after_mark};
 use super::frame_facts::FrameFacts;
@@ -32,6 +32,8 @@ pub(super) struct DicomFile<'a> {
     pub format: SliceFormat,
     pub frames: Vec<DicomFrame>,
     pub segments: SegmentTable,
+    /// Whether samples are numbers of colours in a palette, and not of segments.
+    pub has_palette: bool,
     packing: PixelPacking,
     pixels: PixelPlaces,
 }
@@ -115,6 +117,7 @@ impl<'a> DicomFile<'a> {
             Err(error) => return Ok(Some(PixelFile::Refused { series, error })),
         };
         let description = attributes.text(DESCRIPTION);
+        let has_palette = attributes.text(COLOR_MODEL) == "PALETTE COLOR" && parts.segments.is_empty();
         if pixels.has_words && parts.format.endian == Endian::Big && parts.format.element.width() == 1 {
             bytes = Cow::Owned(with_words_turned(&bytes, pixels.at..pixels.at + pixels.value.len())?);
         }
@@ -127,6 +130,7 @@ impl<'a> DicomFile<'a> {
             format,
             frames,
             segments,
+            has_palette,
             packing: syntax.0.packing,
             pixels,
         }))))

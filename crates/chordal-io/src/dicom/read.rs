@@ -61,6 +61,9 @@ pub fn read_with(
     let slices = choose(&files, limits)?;
     let first = slices[0];
     check_refused(refused, &first.file.series, &mut warnings)?;
+    let n_indexed = slices.iter().filter(|slice| slice.file.has_palette).count() as u64;
+    let message = "slices hold numbers of colours in a palette, which were read as they are";
+    warnings.count_all("palette-numbers", n_indexed, message);
     let element = first.file.format.element;
     let is_map = first.file.segments.is_map && matches!(element, SampleType::U8 | SampleType::U16);
     let (size, samples, affine) = if element == SampleType::Bool || is_map {

@@ -1,5 +1,5 @@
 //! DICOM: slices by hand, in four ways to write them, as a series in a folder.
-use super::dicom_build::{element, in_pieces, packed_frames, sequence, short, stream_of};
+use super::dicom_build::{element, in_pieces, packed_frames, sequence, short, stream_of, text};
 use super::values;
 use crate::common::refuse;
 use chordal_io::{Axis, Content, Format, Limits, ReadError, Volume, Warning, dicom, read_with};
@@ -247,13 +247,16 @@ fn with_element(more: &[u8]) -> Files {
 }
 
 #[test]
-fn numbers_from_a_table_are_refused() {
+fn numbers_from_a_table_are_refused_and_those_of_a_palette_told() {
     let table = |items: &[Vec<u8>]| sequence([0x28, 0x3000], items, true);
     let files = with_element(&table(&[short([0x28, 0x3002], 6)]));
     let error = load_with(&files, &Limits::default()).unwrap_err();
     assert_eq!(error.code, "unsupported");
     assert!(error.message.contains("0.dcm: ") && error.message.contains("ModalityLUTSequence"), "{error}");
     assert!(load_with(&with_element(&table(&[])), &Limits::default()).is_ok());
+    let palette = with_element(&text([0x28, 4], b"CS", "PALETTE COLOR"));
+    let (_, warnings) = load_with(&palette, &Limits::default()).unwrap();
+    assert_eq!((warnings.len(), warnings[0].code, warnings[0].count), (1, "palette-numbers", 2));
 }
 
 #[test]
