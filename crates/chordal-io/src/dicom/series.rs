@@ -33,6 +33,9 @@ pub(super) struct DicomSeries<'a> {
 /// The largest difference of equal directions, which are written with some six digits. Chosen: ten times that
 /// rounding.
 const DIRECTION: f64 = 1e-4;
+/// How far squared lengths of directions may be from 1, and their product from 0. Chosen: directions written to two
+/// digits, far from those of another unit.
+const SQUARE: f64 = 0.02;
 /// How far a slice may be from its position, in steps. Chosen: positions are written to a hundredth of a step
 /// or better.
 pub(super) const PLACE: f64 = 0.01;
@@ -74,8 +77,20 @@ pub(super) fn normal_of(slice: &DicomSlice<'_>) -> [f64; 3] {
 }
 
 /// The lattice of slices like `first` that are `step` apart, from `low` on.
+///
+/// # Errors
+/// If the directions of the slice are no plane's, or flatten space.
 pub(super) fn affine_of(first: &DicomSlice<'_>, step: [f64; 3], low: [f64; 3]) -> Result<Affine3, ReadError> {
     let DicomFrame { orientation: o, spacing, .. } = first.frame();
+    let (along_row, along_column) = ([o[0], o[1], o[2]], [o[3], o[4], o[5]]);
+    let lengths = [dot(along_row, along_row), dot(along_column, along_column)];
+    let are_square = lengths.iter().all(|length| (length - 1.0).abs() <= SQUARE)
+        && dot(along_row, along_column).abs() <= SQUARE;
+    if !are_square || spacing.iter().any(|distance| *distance < 0.0) {
+        let message = "the directions of rows and columns are not of length 1 and at a right angle, or the distance \
+                       of their samples is below 0";
+        return Err(refused("bad-header", first, message));
+    }
     let row = |k: usize| [o[k] * spacing[1], o[3 + k] * spacing[0], step[k], low[k]];
     Affine3::new([row(0), row(1), row(2)]).map_err(|error| refused("singular", first, &error.to_string()))
 }

@@ -319,6 +319,11 @@ fn slices_that_are_no_lattice_are_refused_by_name() {
     assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.201"), is("packed-pixels", "3.dcm"));
     assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.999"), is("unsupported", "3.dcm"));
     assert_eq!(with(&|s| s.iter_mut().for_each(|s| s.orientation = "1\\0\\0\\1\\0\\0")).0, "same-place");
+    for orientation in ["2\\0\\0\\0\\1\\0", "1\\0\\0\\0.6\\0.8\\0"] {
+        let all = |s: &mut Vec<Slice>| s.iter_mut().for_each(|s| s.orientation = orientation);
+        assert_eq!(with(&all), is("bad-header", "0.dcm"));
+    }
+    assert_eq!(with(&|s| s.iter_mut().for_each(|s| s.spacing = "-2\\0.5")), is("bad-header", "0.dcm"));
     assert_eq!(with(&|s| s.truncate(1)), is("flat-volume", "0.dcm"));
     let mut tilted = even(3);
     (0..3).for_each(|k| tilted[k].position = format!("1\\{}\\{k}", 0.25 * k as f64));
