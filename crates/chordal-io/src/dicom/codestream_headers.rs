@@ -1,6 +1,7 @@
 //! The headers of a codestream of JPEG 2000, which say how much a decoder allocates before it decodes.
 //!
 //! Source: ITU, *Recommendation T.800*, 2019, annex A.
+use std::borrow::Cow;
 
 /// The start of a codestream, and of its first marker segment.
 const START: [u8; 4] = [0xFF, 0x4F, 0xFF, 0x51];
@@ -45,7 +46,7 @@ pub(super) fn check(packed: &[u8], size: (u64, u64)) -> Result<(bool, u8), Strin
         return Err(format!("are subsampled, or have more than {MOST_TILES} tiles"));
     }
     let mut most = BuildingBlocks::default();
-    for_each_segment(packed, |marker, segment| most.add(marker, segment, size))?;
+    for_each_segment(packed, |marker, _, segment| most.add(marker, segment, size))?;
     let n_packets = most.precincts.saturating_mul(most.layers);
     // Every packet has a byte or more.
     if n_packets > packed.len() as u64 {
@@ -58,6 +59,36 @@ pub(super) fn check(packed: &[u8], size: (u64, u64)) -> Result<(bool, u8), Strin
     Ok((header[42] & 0x80 != 0, bits))
 }
 
+/// A codestream whose headers were checked, with the length of its last part of a tile and the marker of its end,
+/// which some programs leave out. A part without a length is as long as the marker of the end says, or it could be
+/// cut off.
+///
+/// # Errors
+/// If its headers are damaged, or a part has no length and no end.
+pub(super) fn completed(packed: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+    let mut unstated = None;
+    let end = for_each_segment(packed, |marker, at, segment| {
+        if marker == TILE_PART && number(&segment[2..6]) == 0 {
+            unstated = Some(at);
+        }
+        Ok(())
+    })?;
+    if let Some(at) = unstated {
+        let padded = packed.strip_suffix(&[0]).unwrap_or(packed);
+        let body = [packed, padded].into_iter().find_map(|all| all.strip_suffix(&[0xFF, END]));
+        let mut whole = body.ok_or_else(damaged)?.to_vec();
+        let length = (whole.len() - at) as u32;
+        whole[at + 6..at + 10].copy_from_slice(&length.to_be_bytes());
+        whole.extend([0xFF, END]);
+        return Ok(Cow::Owned(whole));
+    }
+    match packed.len().checked_sub(end) {
+        // One byte is padding.
+        Some(0 | 1) => Ok(Cow::Owned([&packed[..end], &[0xFF, END]].concat())),
+        _ => Ok(Cow::Borrowed(packed)),
+    }
+}
+
 /// The number in big-endian bytes.
 fn number(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0, |number, byte| number << 8 | u64::from(*byte))
@@ -67,8 +98,12 @@ fn damaged() -> String {
     "have damaged headers of JPEG 2000".to_owned()
 }
 
-/// Calls `f` with the marker and the content of every segment of all headers.
-fn for_each_segment(packed: &[u8], mut f: impl FnMut(u8, &[u8]) -> Result<(), String>) -> Result<(), String> {
+/// Calls `f` with the marker, the byte and the content of every segment of all headers, and returns the byte where
+/// they end.
+fn for_each_segment(
+    packed: &[u8],
+    mut f: impl FnMut(u8, usize, &[u8]) -> Result<(), String>,
+) -> Result<usize, String> {
     let mut at = 2;
     let mut part_end = 0;
     while let Some(&[first, marker]) = packed.get(at..at + 2) {
@@ -83,7 +118,7 @@ fn for_each_segment(packed: &[u8], mut f: impl FnMut(u8, &[u8]) -> Result<(), St
                     return Err(damaged());
                 }
                 let segment = packed.get(at + 4..at + 2 + length).ok_or_else(damaged)?;
-                f(marker, segment)?;
+                f(marker, at, segment)?;
                 if marker == TILE_PART {
                     // The second number is the length, or 0 for all that is left.
                     let n = number(&segment[2..6]) as usize;
@@ -94,7 +129,7 @@ fn for_each_segment(packed: &[u8], mut f: impl FnMut(u8, &[u8]) -> Result<(), St
             _ => return Err(damaged()),
         }
     }
-    Ok(())
+    Ok(at)
 }
 
 /// The most layers, precincts, and blocks in a layer, that any header states.

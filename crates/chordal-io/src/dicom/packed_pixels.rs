@@ -161,7 +161,8 @@ fn jpeg_2000(packed: &[u8], format: &SliceFormat) -> Result<PackedSamples, Strin
     }
     let broken = |error: hayro_jpeg2000::DecodeError| format!("are no JPEG 2000 that is read: {error}");
     let settings = DecodeSettings { strict: true, ..DecodeSettings::default() };
-    let image = Image::new(packed, &settings).map_err(broken)?;
+    let packed = codestream_headers::completed(packed)?;
+    let image = Image::new(&packed, &settings).map_err(broken)?;
     check_size((u64::from(image.width()), u64::from(image.height())), format)?;
     let mut context = DecoderContext::default();
     let decoded = image.decode(&mut context).map_err(broken)?;

@@ -466,6 +466,26 @@ fn packed_slices_that_are_cut_or_changed_end_well() {
     }
 }
 
+#[test]
+fn codestreams_may_lack_the_length_of_a_part_and_the_end() {
+    for frame in packed_frames().iter().filter(|frame| frame["name"].as_str().unwrap().contains("JPEG 2000"))
+    {
+        let stream = stream_of(frame);
+        let slices = |packed: &[u8]| {
+            [0.0, 1.0].map(|z| Slice { packed: Some(packed.to_vec()), ..packed_slice(frame, z) })
+        };
+        let whole = load(&slices(&stream)).unwrap().0;
+        let end = stream.iter().rposition(|byte| *byte == 0xD9).unwrap() - 1;
+        assert_eq!(load(&slices(&stream[..end])).unwrap().0, whole);
+        let at = stream.windows(4).position(|four| four == [0xFF, 0x90, 0, 10]).unwrap();
+        let mut open = stream.clone();
+        open[at + 6..at + 10].fill(0);
+        assert_eq!(load(&slices(&open)).unwrap().0, whole);
+        assert_eq!(load(&slices(&open[..end])).unwrap_err().code, "bad-packing");
+        assert_eq!(load(&slices(&open[..end - 9])).unwrap_err().code, "bad-packing");
+    }
+}
+
 /// A codestream of JPEG 2000 with empty packets: the sizes of the picture and of a tile, the sampling, the style,
 /// the number of step sizes, and the style in the header of the tile.
 fn codestream(sizes: [u32; 4], sampling: u8, styles: [&[u8]; 2], n_steps: usize) -> Vec<u8> {
