@@ -255,7 +255,7 @@ fn what_is_for_volumes_is_for_nothing_else() {
     let (input, output) = (folder.file("a.obj", CLOSED_OBJ), folder.text("a.ply"));
     run(&["mesh", &input, "-o", &output, "--tol", "1", "--iso", "1"]).fails_with(2, &["--iso", "triangles"]);
     run(&["mesh", &input, "-o", &output, "--tol", "1", "--open"]).fails_with(2, &["--open"]);
-    run(&["mesh", &input, "-o", &output]).fails_with(2, &["required", "--tol"]);
+    run(&["mesh", &input, "-o", &output]).fails_with(2, &["a budget is needed", "--tol"]);
     assert_eq!(folder.names(), ["a.obj"]);
 }
 

@@ -82,7 +82,7 @@ fn normals_stay_within_their_limit_and_cost_triangles() {
 
 #[test]
 fn every_level_and_every_tile_keeps_the_limits() {
-    let (size, max_triangles) = if is_long() { ([64, 32], 1500) } else { ([32, 16], 400) };
+    let (size, max_triangles) = if is_long() { ([64, 32], 1500) } else { ([40, 20], 600) };
     let mesh = torus(size);
     let attributes = limits(Some(0.03), Some(20.0));
     let steps = LodSteps { attributes, ..LodSteps::from_finest(length(0.01)) };

@@ -1,4 +1,5 @@
 //! Simplifies the triangles of a scene, part by part: the `mesh` verb for triangles.
+// Long because reasons stand beside the steps that they explain.
 mod held_faces;
 use crate::MeshFailure;
 use crate::mesh::request::MeshRequest;

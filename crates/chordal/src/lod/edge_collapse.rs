@@ -1,5 +1,6 @@
 //! `EdgeCollapser`: collapses edges, the cheapest first, as long as the surface stays manifold and no face
 //! flips.
+// Long because reasons stand beside the steps that they explain.
 mod carried_values;
 mod link_condition;
 mod regions;

@@ -177,7 +177,7 @@ fn wrong_numbers_are_named() {
         (ball.rotated_deg([0.0; 3], 10.0), "length"),
         (ball.repeated([Repeat::Every(-1.0), Repeat::Once, Repeat::Once]), "-1"),
         (ball.repeated([Repeat::Every(1e-6), Repeat::Once, Repeat::Once]), "short"),
-        (ball.complement().repeated([Repeat::Every(1.0), Repeat::Once, Repeat::Once]), "ends"),
+        (ball.complement().repeated([Repeat::Every(1.0), Repeat::Once, Repeat::Once]), "bounds"),
     ];
     for (made, named) in refused {
         let sentence = made.expect_err(named).to_string();

@@ -101,7 +101,7 @@ impl PlaneTriangulation {
     fn flip(&mut self, c: u32) {
         //      r                r
         //    /   \            / | \
-        //   p --c→ q    →    p  |  q      first: r, p, s; second: s, q, r
+        //   p  c→  q    →    p  |  q      first: r, p, s; second: s, q, r
         //    \   /            \ | /
         //      s                s
         let d = self.twins[c as usize];

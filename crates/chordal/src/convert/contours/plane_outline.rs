@@ -15,6 +15,7 @@
 //! intervals are gathered into corners: boxes that overlap. Each corner has to be the end of some stretch of S, and
 //! stands for one vertex. So S and the loops through the vertices are within the size of the largest corner. If that
 //! is too large, a curve is no line or circle, or it lies on another, there is no outline, and the caller samples.
+// Long because reasons stand beside the steps that they explain.
 use super::plane_function::{PlaneCurve, PlaneFunction};
 use crate::budget::{Job, par_map};
 use crate::explicit::DisjointSets;

@@ -3,6 +3,7 @@
 //! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
 //! undecided primitives have a common direction in which they grow. Decided tetrahedra are dropped: they
 //! contain no boundary, whatever their neighbours look like. All others form a conforming mesh.
+// Long because reasons stand beside the steps that they explain.
 use super::cells::{
     CellSizes, CellTest, CellsAtVertices, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side,
     zeros,

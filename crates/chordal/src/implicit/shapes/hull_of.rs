@@ -263,7 +263,7 @@ mod tests {
             (vec![block.difference(&post)], "one here is cut"),
             (vec![block.scaled([1.0, 2.0, 1.0]).unwrap()], "made or changed in another way"),
             (vec![rectangle([1.0, 1.0]).unwrap()], "planar_hull(points)"),
-            (vec![block, sphere(0.5).unwrap()], "radius, and here are 0 and 0.5: a box"),
+            (vec![block, sphere(0.5).unwrap()], "radius, and here are 0 and 0.5: those of a box"),
             (vec![], "a hull has 0 points"),
         ] {
             let message = hull_of(&shapes, 0.0).unwrap_err().to_string();
