@@ -311,9 +311,9 @@ at-least = [ "$$(printf '%s\n' $(2) "$(1)" | sort -V | head -n 1)" = $(2) ]
 
 need-rust:
 	@command -v $(CARGO) > /dev/null \
-		|| { echo "Chordal needs Rust 1.90 or newer: install rustup from https://rustup.rs and open a new shell." >&2; exit 1; }
-	@version=$$($(CARGO) --version | cut -d ' ' -f 2); $(call at-least,$$version,1.90) \
-		|| { echo "Chordal needs Rust 1.90 or newer, not $$version: install rustup from https://rustup.rs, which fetches it." >&2; exit 1; }
+		|| { echo "Chordal needs Rust 1.92 or newer: install rustup from https://rustup.rs and open a new shell." >&2; exit 1; }
+	@version=$$($(CARGO) --version | cut -d ' ' -f 2); $(call at-least,$$version,1.92) \
+		|| { echo "Chordal needs Rust 1.92 or newer, not $$version: install rustup from https://rustup.rs, which fetches it." >&2; exit 1; }
 	@command -v cc > /dev/null \
 		|| { echo "Rust needs a C linker: install gcc (on Debian: apt install gcc libc6-dev)." >&2; exit 1; }
 
