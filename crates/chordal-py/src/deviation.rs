@@ -1,10 +1,10 @@
 //! The deviation of two shapes, the verification of certificates, and histories, from Python's arguments.
 use crate::source::Source;
 use crate::spec::{GivenOptions, request};
+use crate::spelling::Keywords;
 use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
-use chordal_cli::spelling::CommandLine;
 use chordal_verbs::{DeviationSpec, Input, deviation, history_of, verify};
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ pub(crate) fn report(
             report
         })
     })?;
-    let report = measured.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
+    let report = measured.map_err(|error| failure::mesh(py, error))?.spelled(&Keywords);
     Ok(report.to_value().to_string())
 }
 

@@ -2,13 +2,14 @@
 use crate::outcome::{FileBytes, file_bytes};
 use crate::source::Source;
 use crate::spec::{GivenOptions, mismatch, request};
+use crate::spelling::Keywords;
 use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::{FileSet, Format};
 use chordal_verbs::options::{LodContainer, LodOptions, OutputOptions};
-use chordal_verbs::report::{BoundFacts, Report, RunFacts};
+use chordal_verbs::report::{BoundFacts, Certificate, Report, RunFacts};
 use chordal_verbs::{Input, LodOutcome, LodSpec, Shape, lod};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -38,6 +39,9 @@ impl LodArguments {
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Levels {
     outcome: Arc<LodOutcome>,
+    /// The certificate in the words of Python, and why the budget is not met; files have those of the command.
+    certificate: Certificate,
+    unmet: Option<String>,
     name: Option<String>,
 }
 
@@ -55,7 +59,10 @@ pub(crate) fn levels(
         lod(Input::clone(&named.input), &spec, job)
     })?;
     let outcome = outcome.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
-    Ok(Levels { outcome: Arc::new(outcome.spelled(&CommandLine)), name: source.named_input().name })
+    let certificate = outcome.certificate.clone().spelled(&Keywords);
+    let unmet = outcome.unmet.clone().map(|why| why.spelled(&Keywords).to_string());
+    let outcome = Arc::new(outcome.spelled(&CommandLine));
+    Ok(Levels { outcome, certificate, unmet, name: source.named_input().name })
 }
 
 #[pymethods]
@@ -64,13 +71,13 @@ impl Levels {
     #[getter]
     fn report(&self) -> String {
         let run = RunFacts { verb: "lod", input: self.name.clone(), ..RunFacts::default() };
-        Report::new(self.outcome.certificate.clone(), run).to_value().to_string()
+        Report::new(self.certificate.clone(), run).to_value().to_string()
     }
 
     /// Why the finest level does not meet the budget, if it does not.
     #[getter]
     fn unmet(&self) -> Option<String> {
-        self.outcome.unmet.as_ref().map(ToString::to_string)
+        self.unmet.clone()
     }
 
     /// A level as a shape, and its bound as JSON; `None` if the finest level is split into tiles.

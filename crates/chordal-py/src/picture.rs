@@ -2,12 +2,12 @@
 use crate::array::{Array, ArrayData};
 use crate::source::Source;
 use crate::spec::{GivenOptions, mismatch, request};
+use crate::spelling::Keywords;
 use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::View;
 use chordal::budget::advice::Spell;
 use chordal::render;
-use chordal_cli::spelling::CommandLine;
 use chordal_io::PictureFormat;
 use chordal_verbs::options::{PictureContent, PictureOptions};
 use chordal_verbs::report::{Report, RunFacts};
@@ -70,7 +70,7 @@ pub(crate) fn picture(
     })?;
     let outcome = outcome.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
     let name = source.named_input().name;
-    Ok(Picture { shown: Arc::new(ShownPicture::from_outcome(outcome.spelled(&CommandLine), name)) })
+    Ok(Picture { shown: Arc::new(ShownPicture::from_outcome(outcome.spelled(&Keywords), name)) })
 }
 
 #[pymethods]

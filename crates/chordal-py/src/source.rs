@@ -6,6 +6,7 @@ use crate::outcome::{MeshOrder, MeshTask, Outcome};
 use crate::python_leaf::CallLog;
 use crate::script_value::take_exception;
 use crate::spec::{self, GivenOptions, parse_argument};
+use crate::spelling::Keywords;
 use crate::volume::{BakedVolume, bake_input};
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
@@ -149,7 +150,7 @@ impl Source {
     /// The report of `chordal inspect`, as JSON.
     fn inspect(&self, py: Python<'_>) -> PyResult<String> {
         let input = Arc::clone(&self.input);
-        let mut report = work::run(py, None, move |_| inspect(&input).spelled(&CommandLine))?;
+        let mut report = work::run(py, None, move |_| inspect(&input).spelled(&Keywords))?;
         report.run.input.clone_from(&self.name);
         Ok(report.to_value().to_string())
     }

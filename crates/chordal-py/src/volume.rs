@@ -3,6 +3,7 @@ use crate::array::{Array, ArrayData};
 use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::spec::{GivenOptions, request};
+use crate::spelling::Keywords;
 use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
@@ -50,9 +51,12 @@ pub(crate) fn bake_input(
     let NamedInput { input, name } = named;
     let listener = ProgressListener::new(progress, "bake");
     let baked = work::run(py, listener, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
-    let outcome = baked.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
+    let outcome = baked.map_err(|error| failure::mesh(py, error))?;
     let run = RunFacts { verb: "bake", input: name, ..RunFacts::default() };
-    let report = Report::new(outcome.certificate.clone(), run).to_value().to_string();
+    let report = Report::new(outcome.certificate.clone().spelled(&Keywords), run).to_value().to_string();
+    let unmet = outcome.unmet.clone().map(|why| why.spelled(&Keywords).to_string());
+    // Bytes are the command's, as its digest says.
+    let outcome = outcome.spelled(&CommandLine);
     let digest = work::run(py, None, {
         let outcome = outcome.clone();
         move |_| {
@@ -61,7 +65,6 @@ pub(crate) fn bake_input(
         }
     })?;
     let (n_bytes, sha256) = digest.map_err(|error| failure::write(py, &error))?;
-    let unmet = outcome.unmet.as_ref().map(ToString::to_string);
     // As in a file: with the certificate, later results include the error of the samples.
     let certificate = Some(outcome.certificate.to_value());
     let volume = Volume { certificate, ..outcome.volume.into_dense() };
