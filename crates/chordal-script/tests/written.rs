@@ -3,23 +3,13 @@
 use chordal_script::language::{
     Function, FunctionParameter, ParameterDefault, ParameterKind, functions, groups,
 };
+use chordal_testkit::{assert_written, path_in_tree};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 
-fn path_of(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
-}
-
-fn assert_written(path: &str, text: &str) {
-    let path = path_of(path);
-    if std::env::var_os("CHORDAL_WRITE_LANGUAGE").is_some() {
-        std::fs::write(&path, text).unwrap();
-    }
-    let written = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == text, "{} is not what the table says: write it anew", path.display());
-}
+/// The variable that has the files written anew.
+const SWITCH: &str = "CHORDAL_WRITE_LANGUAGE";
 
 // Python.
 
@@ -245,7 +235,7 @@ fn the_python_package_has_every_function() {
     let names = format!("\n__all__ = [\n{names}]\n");
     let (imports, helpers) = HEAD.split_once("\nif TYPE_CHECKING").unwrap();
     let text = format!("{imports}{names}\nif TYPE_CHECKING{helpers}{text}{TAIL}");
-    assert_written("python/chordal/_language.py", &text);
+    assert_written(SWITCH, "python/chordal/_language.py", &text);
 }
 
 /// A list in a module, which begins and ends with these lines: where its entries are in the text.
@@ -257,7 +247,7 @@ fn entries(text: &str, first: &str, last: &str) -> Range<usize> {
 #[test]
 fn the_module_of_shapes_has_every_function() {
     let path = "python/chordal/shapes.py";
-    let mut text = std::fs::read_to_string(path_of(path)).unwrap();
+    let mut text = std::fs::read_to_string(path_in_tree(path)).unwrap();
     let names = |lines: &str| -> BTreeSet<String> {
         lines.lines().map(|line| line.trim_matches([' ', '"', ',']).to_owned()).collect()
     };
@@ -273,7 +263,7 @@ fn the_module_of_shapes_has_every_function() {
     let others = names(&text[exports.clone()]).difference(&earlier).cloned().collect();
     let all = written.union(&others).map(|name| format!("    \"{name}\",\n"));
     text.replace_range(exports, &all.collect::<String>());
-    assert_written(path, &text);
+    assert_written(SWITCH, path, &text);
 }
 
 // The docs.
@@ -316,7 +306,7 @@ fn row(function: &Function, sentences: &BTreeMap<&str, &str>, has_distance: bool
 #[test]
 fn the_page_on_scripts_lists_every_function() {
     let path = "docs/shape-scripts.md";
-    let page = std::fs::read_to_string(path_of(path)).unwrap();
+    let page = std::fs::read_to_string(path_in_tree(path)).unwrap();
     let sentences = sentences(&page);
     for function in functions() {
         let first = function.about.split(". ").next().unwrap().trim_end_matches('.');
@@ -340,7 +330,7 @@ fn the_page_on_scripts_lists_every_function() {
             is_written = true;
         }
     }
-    assert_written(path, &text);
+    assert_written(SWITCH, path, &text);
 }
 
 /// The section of the Python reference in which the functions of a group are listed, unless they are already
@@ -357,7 +347,7 @@ fn section(group: &str) -> Option<&str> {
 #[test]
 fn the_reference_of_the_python_package_lists_every_function() {
     let path = "docs/reference/shapes.md";
-    let mut text = std::fs::read_to_string(path_of(path)).unwrap();
+    let mut text = std::fs::read_to_string(path_in_tree(path)).unwrap();
     for (group, functions) in groups() {
         let Some(section) = section(group) else { continue };
         for function in functions {
@@ -372,7 +362,7 @@ fn the_reference_of_the_python_package_lists_every_function() {
             text.insert_str(after, &line);
         }
     }
-    assert_written(path, &text);
+    assert_written(SWITCH, path, &text);
     assert_eq!(text.matches("::: chordal.shapes.sphere\n").count(), 1);
     assert!(functions().count() > 70);
 }

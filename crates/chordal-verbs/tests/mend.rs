@@ -7,7 +7,7 @@ use chordal_io::{Format, Frame, Scene, write};
 use chordal_testkit::is_long;
 use chordal_verbs::report::{ValidityCounts, VerbFacts};
 use chordal_verbs::{
-    Duplicates, FormatHint, HoleSelection, Input, MendSpec, MeshOutcome, Shape, WeldTolerance, load, mend,
+    FormatHint, HoleSelection, Input, MendSpec, MeshOutcome, Shape, WeldTolerance, load, mend,
 };
 use std::path::Path;
 
@@ -19,18 +19,6 @@ fn read(path: &Path) -> Option<Input> {
         load(&bytes, FormatHint { name: Some(&name), ..FormatHint::default() }, &Default::default()).ok()?;
     matches!(input.shape, Shape::Scene(_)).then_some(input)
 }
-
-const ALL: MendSpec = MendSpec {
-    weld: Some(WeldTolerance::Exact),
-    drop_duplicates: Some(Duplicates::EitherWay),
-    drop_degenerate: true,
-    resolve_t_junctions: Some(WeldTolerance::Exact),
-    split_non_manifold: true,
-    orient: true,
-    nested: chordal_verbs::NestedShells::Keep,
-    fill_holes: Some(HoleSelection::All),
-    drop_unused: true,
-};
 
 fn done(input: Input, spec: &MendSpec, to: Format) -> MeshOutcome {
     mend(input, spec, to, &Job::default()).unwrap()
@@ -54,7 +42,7 @@ fn all_cures_together_leave_nothing_to_mend_that_they_do_not_name() {
     for path in common::files(8 << 20) {
         let Some(input) = read(&path) else { continue };
         // OBJ keeps what was split apart: it has indices of positions, and ties what is tied.
-        let outcome = done(input, &ALL, Format::Obj);
+        let outcome = done(input, &MendSpec::ALL, Format::Obj);
         let name = path.display();
         let was = counts_before(&outcome);
         let is = &outcome.certificate.valid.as_ref().unwrap().counts;
@@ -177,7 +165,7 @@ fn each_part_is_mended_by_itself() {
     scene.nodes.push(node);
     scene.roots.push(1);
     let input = Input { shape: Shape::Scene(scene), ..input };
-    let outcome = done(input, &ALL, Format::Glb);
+    let outcome = done(input, &MendSpec::ALL, Format::Glb);
     let scene = outcome.scene().unwrap();
     assert_eq!(scene.parts.iter().map(|part| part.mesh.faces().len()).collect::<Vec<_>>(), [4, 4]);
     assert_eq!(left(&outcome, "filled_holes"), 2);

@@ -1,21 +1,15 @@
 //! The files that are written from the tables of options: `docs/options.md`, and what the Python package knows of them.
 //! `CHORDAL_WRITE_OPTIONS=1` writes them anew.
+use chordal_testkit::assert_written;
 use chordal_verbs::options::{
     BakeOptions, ConvertOptions, InspectOptions, LodOptions, MendOptions, MeshOptions, OptionRow,
     OptionTable, OptionValues, OutputOptions, PictureOptions, ReadOptions, VerifyOptions, spelled_help,
 };
 use chordal_verbs::{DeviationSpec, SurfaceSpec};
 use std::fmt::Write;
-use std::path::Path;
 
-fn assert_written(path: &str, text: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
-    if std::env::var_os("CHORDAL_WRITE_OPTIONS").is_some() {
-        std::fs::write(&path, text).unwrap();
-    }
-    let written = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == text, "{} is not what the tables say: write it anew", path.display());
-}
+/// The variable that has the files written anew.
+const SWITCH: &str = "CHORDAL_WRITE_OPTIONS";
 
 fn form(values: OptionValues) -> &'static str {
     match values {
@@ -56,7 +50,7 @@ fn the_python_package_has_the_same_tables() {
         ]
         .join("\n"),
     );
-    assert_written("python/chordal/_option_tables.py", &text.replace("tables in \n", "tables in\n"));
+    assert_written(SWITCH, "python/chordal/_option_tables.py", &text.replace("tables in \n", "tables in\n"));
 }
 
 fn cell(text: &str) -> String {
@@ -122,5 +116,5 @@ fn the_page_of_options_is_written_from_the_tables() {
         ]
         .concat(),
     );
-    assert_written("docs/options.md", &format!("{}\n", text.replace(" \n", "\n").trim_end()));
+    assert_written(SWITCH, "docs/options.md", &format!("{}\n", text.replace(" \n", "\n").trim_end()));
 }

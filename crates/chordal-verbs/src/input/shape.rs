@@ -269,12 +269,12 @@ fn diagonal_below(bounds: &Box3, error: f64) -> f64 {
     greater(diagonal, longest)
 }
 
-/// The precision of the size of a cage's limit surface, as a fraction of the diagonal of the control points. Chosen: quick to mesh, and fine enough
-/// for a percentage.
+/// The precision of the size of a cage's limit surface, as a fraction of the diagonal of the control points.
+/// Chosen: quick to mesh, and fine enough for a percentage.
 const SIZE_SHARE: f64 = 1e-3;
 
-/// A box that the limit surface of a cage certainly spans: the box of a mesh of it, less the mesh's bound. Along an axis without a certain
-/// extent its width is 0.
+/// A box that the limit surface of a cage certainly spans: the box of a mesh of it, less the mesh's bound.
+/// Along an axis without a certain extent its width is 0.
 fn inner_limit_box(polygons: &Polygons) -> Box3 {
     let control = Box3::from_points(polygons.cage.positions());
     let Ok(tolerance) = Tolerance::new(SIZE_SHARE * control.diagonal()) else { return Box3::EMPTY };

@@ -55,7 +55,8 @@ pub(crate) fn may_be_in(scene: &Scene, format: Format, frame: &Frame) -> bool {
         && (is_turned || scene_frame.up.zip(frame.up).is_none_or(|(a, b)| a == b))
 }
 
-/// A scene from a file whose z is always up, such as a 3MF, as it was before its writer rotated it: (x, y, z) was written as (x, −z, y).
+/// A scene from a file whose z is always up, such as a 3MF, as it was before its writer rotated it: (x, y, z)
+/// was written as (x, −z, y).
 fn turned_back(scene: &Scene, frame: &Frame) -> Scene {
     let mut turned = Scene { frame: *frame, ..scene.clone() };
     for root in &scene.roots {

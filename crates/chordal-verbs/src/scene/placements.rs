@@ -326,7 +326,8 @@ pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, Wr
         let (boxes, is_single_identity) = &mut parts[place.part];
         *is_single_identity &= place.is_identity && boxes.len() == 1;
         if !place.is_identity {
-            // The boxes of all placements of the part grow, since their order is not that of the placements; a box may be too large.
+            // The boxes of all placements of the part grow, since their order is not that of the placements;
+            // a box may be too large.
             let rounding = place.rounding(&scene.parts[place.part]);
             boxes.iter_mut().for_each(|bounds| *bounds = pad_box(bounds, rounding));
         }

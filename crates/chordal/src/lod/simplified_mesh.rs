@@ -41,8 +41,9 @@ pub(super) fn unchanged(mesh: &Mesh, stats: ReductionStats) -> Bounded<Simplifie
     }
 }
 
-/// The bound by [`deviation`](crate::check::deviation). Another proof of the same distance, `at_most`, may lower its upper end. Two
-/// proofs that contradict each other prove nothing, so an upper end below the proved lower end is ignored.
+/// The bound by [`deviation`](crate::check::deviation). Another proof of the same distance, `at_most`, may
+/// lower its upper end. Two proofs that contradict each other prove nothing, so an upper end below the proved
+/// lower end is ignored.
 pub(super) fn bounded(
     mesh: Mesh,
     deviation: &Deviation,

@@ -69,8 +69,8 @@ pub(in crate::convert) fn triangles(
     }
 }
 
-/// Visits the triangles of all caps, in the order in which they are written: the axis and the end of its border, the first corner of its
-/// square along the next two axes, and its number there.
+/// Visits the triangles of all caps, in the order in which they are written: the axis and the end of its
+/// border, the first corner of its square along the next two axes, and its number there.
 pub(super) fn for_each_triangle(bits: &SignBits, mut each: impl FnMut(usize, usize, [usize; 2], u8)) {
     for_each_square(bits, |square| {
         let (axis, end) = border_of(&square, bits.size);
