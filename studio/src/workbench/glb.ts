@@ -160,20 +160,23 @@ function partsOf(file: Glb, node: Node, above: readonly number[]): Part[] {
   if (!corners) return [];
   const [indices, groups] = [new Uint32Array(corners), new Uint32Array(corners / 3)];
   let at = 0;
+  // A transform that mirrors turns the front of every triangle to the back, unless two corners are exchanged.
+  const isMirrored = determinant(transform) < 0;
   runs.forEach(({ rows, start }, run) => {
     groups.fill(run, at / 3, (at + rows.length) / 3);
     for (const row of rows) indices[at++] = start + row;
   });
+  if (isMirrored) for (let i = 0; i < corners; i += 3) [indices[i + 1], indices[i + 2]] = [indices[i + 2]!, indices[i + 1]!];
   const gathered = (of: (attributes: Attributes) => number | undefined, width: number) => joined(file, shared.map(of), width);
   const part: Part = {
     name,
-    positions: moved(gathered((from) => from["POSITION"], 3)!, transform, 1),
+    positions: moved(gathered((from) => from["POSITION"], 3)!, transform),
     indices,
     groups,
     paints: runs.map(({ material }) => paintOf(json, material)),
   };
   const normals = gathered((from) => from["NORMAL"], 3);
-  if (normals) part.normals = moved(normals, transform, 0);
+  if (normals) part.normals = moved(normals, normalTransform(transform));
   const colors = gathered((from) => from["COLOR_0"], 3);
   if (colors) part.colors = colors.map(fromLinear);
   const pictures = runs.map(({ material }) => pictureOf(file, material));
@@ -265,11 +268,32 @@ function times(a: readonly number[], b: readonly number[]): readonly number[] {
   return Array.from({ length: 16 }, (_, i) => [0, 1, 2, 3].reduce((sum, k) => sum + a[(i % 4) + 4 * k]! * b[4 * (i >> 2) + k]!, 0));
 }
 
-function moved(rows: Float32Array, m: readonly number[], w: 0 | 1): Float32Array {
+/** The cofactors of the upper left 3 × 3 of a transform, column by column. */
+function cofactors(m: readonly number[]): readonly number[] {
+  const cofactor = (column: number, row: number) => {
+    const [c, d, r, s] = [(column + 1) % 3, (column + 2) % 3, (row + 1) % 3, (row + 2) % 3];
+    return m[4 * c + r]! * m[4 * d + s]! - m[4 * c + s]! * m[4 * d + r]!;
+  };
+  return Array.from({ length: 9 }, (_, i) => cofactor(Math.floor(i / 3), i % 3));
+}
+
+function determinant(m: readonly number[]): number {
+  const minors = cofactors(m);
+  return m[0]! * minors[0]! + m[1]! * minors[1]! + m[2]! * minors[2]!;
+}
+
+/** The transform of normals: the inverse transpose, which unequal scales need. Up to its length that is the cofactors by the sign. */
+function normalTransform(m: readonly number[]): readonly number[] {
+  const [minors, sign] = [cofactors(m), determinant(m) < 0 ? -1 : 1];
+  const column = (i: number) => [...minors.slice(3 * i, 3 * i + 3).map((minor) => sign * minor), 0];
+  return [...column(0), ...column(1), ...column(2), 0, 0, 0, 1];
+}
+
+function moved(rows: Float32Array, m: readonly number[]): Float32Array {
   if (m.every((value, i) => value === IDENTITY[i])) return rows;
   for (let i = 0; i < rows.length; i += 3) {
     const [x, y, z] = [rows[i]!, rows[i + 1]!, rows[i + 2]!];
-    for (let k = 0; k < 3; k++) rows[i + k] = m[k]! * x + m[4 + k]! * y + m[8 + k]! * z + w * m[12 + k]!;
+    for (let k = 0; k < 3; k++) rows[i + k] = m[k]! * x + m[4 + k]! * y + m[8 + k]! * z + m[12 + k]!;
   }
   return rows;
 }

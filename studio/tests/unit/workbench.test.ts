@@ -341,6 +341,37 @@ test("a file with y up is turned upright", () => {
   expect(partToZUp(part, "z")).toBe(part);
 });
 
+/** A GLB with one triangle below a node of this scale, and one normal at all corners. */
+function scaledTriangle(scale: readonly number[], normal: readonly number[]): Uint8Array {
+  const numbers = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, ...normal, ...normal, ...normal]);
+  const accessor = (byteOffset: number) => ({ bufferView: 0, byteOffset, componentType: 5126, count: 3, type: "VEC3" });
+  const json = JSON.stringify({
+    asset: { version: "2.0" },
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0, scale }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0, NORMAL: 1 } }] }],
+    accessors: [accessor(0), accessor(36)],
+    bufferViews: [{ buffer: 0, byteLength: 72 }],
+    buffers: [{ byteLength: 72 }],
+  });
+  const padded = json.padEnd(4 * Math.ceil(json.length / 4));
+  const head = (...words: number[]) => new Uint8Array(new Uint32Array(words).buffer);
+  const size = 12 + 8 + padded.length + 8 + 72;
+  const chunks = [head(0x46546c67, 2, size, padded.length, 0x4e4f534a), text(padded), head(72, 0x004e4942), new Uint8Array(numbers.buffer)];
+  return Uint8Array.from(chunks.flatMap((chunk) => [...chunk]));
+}
+
+test("unequal scales keep normals upright, and a mirror keeps the front of a triangle", () => {
+  const frame = { up: null, metres_per_unit: null };
+  const [stretched] = parts(scaledTriangle([2, 1, 1], [1, 1, 0]), frame as never);
+  const [nx, ny] = stretched!.normals!;
+  expect(nx! / ny!).toBe(1 / 2);
+  expect([...stretched!.indices]).toEqual([0, 1, 2]);
+  const [mirrored] = parts(scaledTriangle([-1, 1, 1], [0, 0, 1]), frame as never);
+  expect([...mirrored!.indices]).toEqual([0, 2, 1]);
+  expect(mirrored!.normals![2]).toBe(1);
+});
+
 describe("an export", () => {
   /** A controller whose command only ends like this. */
   const controller = (outcome: Outcome) =>
