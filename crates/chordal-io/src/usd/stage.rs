@@ -94,14 +94,17 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         let mut at = 0;
         while at < stage.stack.len() {
             let layer = stage.stack[at];
+            at += 1;
+            let mut below = at;
             for asset in stage.layers[layer as usize].about.sublayers.clone() {
                 if let Some(sublayer) = stage.open(layer, &asset)?
                     && !stage.stack.contains(&sublayer)
                 {
-                    stage.stack.push(sublayer);
+                    // Depth first: what a sublayer includes is stronger than the sublayer after it.
+                    stage.stack.insert(below, sublayer);
+                    below += 1;
                 }
             }
-            at += 1;
         }
         Ok(stage)
     }

@@ -59,6 +59,28 @@ fn the_first_file_is_the_shape_and_names_others_of_the_package() {
     assert_eq!(scene.nodes[0].matrix[12..15], [1.0, 2.0, -2.0]);
 }
 
+/// OpenUSD, "LayerStack": a layer is followed by all that it includes, before the next layer of the same list.
+#[test]
+fn what_a_sublayer_includes_is_stronger_than_the_sublayer_after_it() {
+    let layer = |below: &str, x: u32| {
+        let prims = format!("over \"a\" {{ double3 xformOp:translate = ({x}, 0, 0) }}");
+        file(&prims).replace("upAxis", &format!("subLayers = [{below}] upAxis"))
+    };
+    let order = "uniform token[] xformOpOrder = [\"xformOp:translate\"]";
+    let prims = format!("def Xform \"a\" {{ {order} {} }}", triangle("m"));
+    let shape = file(&prims).replace("upAxis", "subLayers = [@first.usda@, @second.usda@] upAxis");
+    let empty = file("").replace("upAxis", "subLayers = [@third.usda@] upAxis");
+    let [second, third] = [layer("", 2), layer("", 3)];
+    let bytes = package(&[
+        ("a.usda", shape.as_bytes()),
+        ("first.usda", empty.as_bytes()),
+        ("second.usda", second.as_bytes()),
+        ("third.usda", third.as_bytes()),
+    ]);
+    let Content::Scene(scene) = usd::read(&bytes, &Limits::default()).unwrap().content else { panic!("a scene") };
+    assert_eq!(scene.nodes[0].matrix[12..15], [3.0, 0.0, 0.0]);
+}
+
 #[test]
 fn a_package_without_usd_or_with_damage_is_refused() {
     let code = |bytes: &[u8]| usd::read(bytes, &Limits::default()).unwrap_err().code;
