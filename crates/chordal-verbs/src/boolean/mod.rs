@@ -99,12 +99,16 @@ pub fn mesh_boolean(
     }
     // 3. The cut, rounded before it is checked.
     let target = RoundingTarget::new(form.format, request.lattice);
+    let mut is_repaired = vec![false; operands.len()];
     let solid = loop {
         let meshes: Vec<&Mesh> = operands.iter().map(|operand| &operand.mesh).collect();
         match cut(&meshes, &ops, target, job) {
             Err(CutFailure::NotClosed { operand, boundary_edges }) => {
                 let name = &names[operand];
-                let tolerance = tolerance.ok_or_else(|| not_closed(name, boundary_edges))?;
+                // A repair that left it open would leave it open again, without end.
+                let tolerance = tolerance
+                    .filter(|_| !std::mem::replace(&mut is_repaired[operand], true))
+                    .ok_or_else(|| not_closed(name, boundary_edges))?;
                 let open = operands.remove(operand);
                 operands.insert(operand, open.closed(tolerance, (name, &mut certificate.notes), job)?);
             }
