@@ -73,14 +73,18 @@ async function same(request, file, meanwhile) {
   return response;
 }
 
-/** Keeps a file and whatever it names, and that as well: a page's scripts, their modules, workers and styles. */
+/**
+ * Keeps a file and whatever it names, and that as well: a page's scripts, workers and styles. The modules that it loads are
+ * named by the page alone: the worker of the exhibits names all of theirs.
+ */
 async function keepAll(file, done = new Set()) {
   if (done.has(file)) return;
   done.add(file);
   const keeping = [];
   const response = await (isAsset(file) ? same : newest)(new Request(addressOf(file)), file, (work) => keeping.push(work));
   if (/\.(?:html|js)$/.test(file) && response.ok) {
-    const words = new Set((await response.text()).match(/[\w.-]+\.(?:js|css|wasm)\b/g) ?? []);
+    const names = file.endsWith(".html") ? /[\w.-]+\.(?:js|css|wasm)\b/g : /[\w.-]+\.(?:js|css)\b/g;
+    const words = new Set((await response.text()).match(names) ?? []);
     const named = [...words].flatMap((word) => (NAMES.has(word) ? `assets/${word}` : BESIDE.includes(word) ? word : []));
     keeping.push(...named.map((other) => keepAll(other, done)));
   }

@@ -41,6 +41,22 @@ function withAlternates(html, [en, zh]) {
   const links = [["en", en], ["zh-CN", zh]].map(([tag, file]) => `<link rel="alternate" hreflang="${tag}" href="${file}" />`);
   return replaceOnce(html, '<meta name="color-scheme"', `${links.join("\n    ")}\n    <meta name="color-scheme"`, "the other language");
 }
+/** The files of the pages' modules: vite names a file by its contents. */
+const assets = join(out, "assets");
+const digest = (bytes) => createHash("sha256").update(bytes).digest("hex");
+const modules = new Map();
+for (const file of await readdir(assets)) {
+  if (file.endsWith(".wasm")) modules.set(digest(await readFile(join(assets, file))), file);
+}
+/** Names the modules that a page loads, by which the service worker keeps them and no others. */
+async function withModules(html, names) {
+  const files = names.map(async (name) => modules.get(digest(await readFile(join(root, "wasm", name)))));
+  const meta = `<meta name="chordal-modules" content="${(await Promise.all(files)).join(" ")}" />`;
+  return replaceOnce(html, '<meta name="color-scheme"', `${meta}\n    <meta name="color-scheme"`, "its modules");
+}
+const exhibitsOf = JSON.parse(await readFile(join(root, "src/exhibits/modules.json"), "utf8"));
+/** The module of an exhibit; none for the list of them. */
+const modulesOf = (id) => Object.keys(exhibitsOf).filter((name) => exhibitsOf[name].includes(id)).map((name) => `exhibits/${name}.wasm`);
 /** The names of a page's file in both languages, from either of them. */
 const inBothLanguages = (file) => [file.replace(/\.zh\.html$/, ".html"), file.replace(/(\.zh)?\.html$/, ".zh.html")];
 
@@ -49,7 +65,7 @@ for (const [file, language] of Object.entries(widgets)) {
   const path = join(out, file);
   const html = replaceOnce(await readFile(path, "utf8"), PLACEHOLDER, still(core, language), "the text");
   const withOnward = replaceOnce(html, ONWARD, onwardFromWidget(), "the way on");
-  await writeFile(path, withAlternates(withOnward, Object.keys(widgets)));
+  await writeFile(path, await withModules(withAlternates(withOnward, Object.keys(widgets)), ["chordal.wasm"]));
 }
 
 const template = await readFile(join(out, "exhibit.html"), "utf8");
@@ -60,6 +76,7 @@ for (const { file, id, lang, title, description, body } of exhibits) {
   html = replaceOnce(html, "<title>Chordal</title>", `<title>${escaped(title)}</title>`, "the title");
   html = replaceOnce(html, 'name="description" content=""', `name="description" content="${escaped(description)}"`, "the description");
   html = withAlternates(replaceOnce(html, PLACEHOLDER, body, "the text"), inBothLanguages(file));
+  html = await withModules(html, modulesOf(id));
   // The list of exhibits has nothing interactive.
   await writeFile(join(out, file), id ? html : html.replace(SCRIPT, ""));
 }
@@ -68,7 +85,8 @@ for (const { file, lang, title, description, body } of workbenches()) {
   let html = replaceOnce(workbenchTemplate, '<html lang="en">', `<html lang="${lang}">`, "the language");
   html = replaceOnce(html, "<title>Chordal</title>", `<title>${escaped(title)}</title>`, "the title");
   html = replaceOnce(html, 'name="description" content=""', `name="description" content="${escaped(description)}"`, "the description");
-  await writeFile(join(out, file), withAlternates(replaceOnce(html, PLACEHOLDER, body, "the text"), inBothLanguages(file)));
+  html = withAlternates(replaceOnce(html, PLACEHOLDER, body, "the text"), inBothLanguages(file));
+  await writeFile(join(out, file), await withModules(html, ["command.wasm"]));
 }
 // The script that switches languages needs the ids of all exhibits.
 const ids = [...new Set(exhibits.map(({ id }) => id).filter(Boolean))];
@@ -83,9 +101,9 @@ const files = (await readdir(out, { recursive: true, withFileTypes: true })).fil
 const paths = files.map((entry) => join(entry.parentPath, entry.name)).sort();
 const hash = createHash("sha256");
 for (const path of paths) hash.update(relative(out, path)).update(await readFile(path));
-const assets = paths.map((path) => relative(join(out, "assets"), path)).filter((name) => !name.startsWith(".."));
+const names = paths.map((path) => relative(assets, path)).filter((name) => !name.startsWith(".."));
 const source = replaceOnce(await readFile(worker, "utf8"), '"none"', JSON.stringify(hash.digest("hex").slice(0, 16)), "the version");
-await writeFile(worker, replaceOnce(source, "const ASSETS = [];", `const ASSETS = ${JSON.stringify(assets)};`, "the names of assets"));
+await writeFile(worker, replaceOnce(source, "const ASSETS = [];", `const ASSETS = ${JSON.stringify(names)};`, "the names of assets"));
 
 // All files in one archive, which the command contains: a line of JSON with their names and lengths, then their bytes, sorted
 // by kind for better compression. The best quality takes a minute; CHORDAL_PAGE_QUALITY is from 0 to 11.

@@ -28,10 +28,10 @@
 //! chordal_seam(question, n)     {"first": [[x, y] × 4], "second": …, "smoothness": "C1", "leader": "first", "scale": 0.5}
 //! ```
 //!
-//! The exhibits of the studio are called by name, and large arrays of the answer are in the outcome's bytes:
+//! Each exhibit of the studio has a call of its own, and large arrays of the answer are in the outcome's bytes:
 //!
 //! ```text
-//! chordal_exhibit(question, n)  {"exhibit": "quad", …}; an array of the answer is {"f32": [start, length]} or {"u32": …}
+//! chordal_exhibit_quad(question, n)  {"exhibit": "quad", …}; an array of the answer is {"f32": [start, length]} or {"u32": …}
 //! ```
 //!
 //! Growing the memory detaches JavaScript's views of it: make a new `Uint8Array` after every call.
@@ -111,19 +111,6 @@ questions! {
     chordal_ladder: study::ladder;
     /// Two cubics joined smoothly, their join, and the combs of their curvature.
     chordal_seam: curve_join::curve_join;
-}
-
-/// Answers an exhibit of the studio; large arrays are in the outcome's bytes.
-///
-/// # Safety
-/// `question` and `len` are from one call of [`chordal_alloc`] and were not freed.
-#[cfg(feature = "exhibits")]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn chordal_exhibit(question: *const u8, len: usize) -> *mut Outcome {
-    // SAFETY: by the contract it is initialized, live and of that length, and nothing writes to it during the
-    // call, since a WASM module like this one has one thread.
-    let question = unsafe { std::slice::from_raw_parts(question, len) };
-    Box::into_raw(Box::new(exhibits::outcome(question)))
 }
 
 /// 0, or the exit code that the command would have ended with.

@@ -1,15 +1,19 @@
 // Calls the WASM module through a typed function: in the worker, in Node at build time, and in the tests.
-import type { AnswerOf, Kind, QuestionOf } from "./types";
+import type { AnswerOf, ExhibitQuestion, Kind, QuestionOf } from "./types";
+
+/** The export that answers a question: every exhibit has its own, and a module has those of its pages. */
+type AskExport = `chordal_exhibit_${string}` | `chordal_${Exclude<Kind, "exhibit">}`;
+const exportOf = (kind: Kind, question: QuestionOf<Kind>): AskExport =>
+  kind === "exhibit" ? `chordal_exhibit_${(question as ExhibitQuestion).exhibit}` : `chordal_${kind}`;
 
 interface Exports {
-  memory: WebAssembly.Memory;
-  chordal_alloc(length: number): number;
-  chordal_free(address: number, length: number): void;
+  [ask: `chordal_exhibit_${string}`]: (address: number, length: number) => number;
   chordal_study(address: number, length: number): number;
   chordal_ladder(address: number, length: number): number;
   chordal_seam(address: number, length: number): number;
-  /** Only in the module of the exhibits. */
-  chordal_exhibit(address: number, length: number): number;
+  memory: WebAssembly.Memory;
+  chordal_alloc(length: number): number;
+  chordal_free(address: number, length: number): void;
   chordal_exit(outcome: number): number;
   chordal_bytes(outcome: number): number;
   chordal_bytes_len(outcome: number): number;
@@ -53,7 +57,7 @@ export class Core {
     if (this.isBroken) throw new Broken("the module trapped before");
     let reply: ModuleReply;
     try {
-      reply = this.call(kind, new TextEncoder().encode(JSON.stringify(question)));
+      reply = this.call(exportOf(kind, question), new TextEncoder().encode(JSON.stringify(question)));
     } catch (error) {
       // After a trap the module's memory may be in any state.
       this.isBroken = true;
@@ -64,12 +68,12 @@ export class Core {
     return JSON.parse(answer, arrays && ((_, value: unknown) => arrayOf(value, arrays))) as AnswerOf<K>;
   }
 
-  private call(kind: Kind, question: Uint8Array): ModuleReply {
+  private call(name: AskExport, question: Uint8Array): ModuleReply {
     const core = this.exports;
     const address = core.chordal_alloc(question.length);
     // Growing memory detaches every view, so each view is created right before its use.
     new Uint8Array(core.memory.buffer, address, question.length).set(question);
-    const outcome = core[`chordal_${kind}`](address, question.length);
+    const outcome = core[name]!(address, question.length);
     const bytes = (start: number, length: number) => core.memory.buffer.slice(start, start + length);
     const text = (start: number, length: number) => new TextDecoder().decode(new Uint8Array(core.memory.buffer, start, length));
     const exit = core.chordal_exit(outcome);

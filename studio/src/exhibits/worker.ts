@@ -1,28 +1,24 @@
-// Runs the exhibits' core in a worker: loads the module once, answers one call after the other.
-import { Broken, Core, Refused } from "../core/module";
-import type { Call, Reply } from "../core/types";
+// Runs the exhibits' cores in a worker: loads a module when the first of its exhibits asks, answers one call after the other.
+import { Broken, Refused } from "../core/module";
+import type { Call, ExhibitQuestion, Reply } from "../core/types";
+import { ExhibitCores } from "./modules";
 
-const file = new URL("../../wasm/exhibits.wasm", import.meta.url);
+const files = import.meta.glob<string>("../../wasm/exhibits/*.wasm", { query: "?url", import: "default", eager: true });
 
-async function load(): Promise<Core> {
-  const response = await fetch(file);
+const cores = new ExhibitCores(async (module) => {
+  const response = await fetch(files[`../../wasm/exhibits/${module}.wasm`]!);
   if (!response.ok) throw new Broken(`${response.status}`);
   // Not instantiateStreaming, because it requires a media type that some hosts do not send.
-  return Core.load(await response.arrayBuffer());
-}
-
-const loading = load();
-// Every question reports the failure; this only prevents an unhandled rejection before the first one.
-loading.catch(() => undefined);
+  return response.arrayBuffer();
+});
 
 addEventListener("message", (event: MessageEvent<Call>) => {
   void answer(event.data).then((reply) => postMessage(reply));
 });
 
-async function answer({ id, kind, question }: Call): Promise<Reply> {
+async function answer({ id, question }: Call): Promise<Reply> {
   try {
-    const core = await loading;
-    return { id, answer: core.ask(kind, question as never) };
+    return { id, answer: await cores.ask(question as ExhibitQuestion) };
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error);
     return error instanceof Refused ? { id, refused: message } : { id, broken: message };

@@ -30,40 +30,64 @@ use crate::outcome::Outcome;
 use answer::ExhibitAnswer;
 use request::ExhibitRequest;
 
-/// Answers `{"exhibit": …}`.
-pub(crate) fn outcome(question: &[u8]) -> Outcome {
-    match answered(question) {
-        Ok(answer) => answer.into_outcome(),
-        Err(error) => Outcome::failed(2, error),
-    }
+/// What an exhibit answers.
+type Answer = fn(&ExhibitRequest) -> Result<ExhibitAnswer, String>;
+
+/// Exports each exhibit by its name, so that a module is linked with no more of the library than its exhibits ask.
+macro_rules! exhibits {
+    ($($name:literal => $exhibit:ident::$answer:ident(&request),)*) => {
+        /// What the exhibit of that name answers.
+        #[cfg(test)]
+        fn by_name(name: &str) -> Option<Answer> {
+            match name {
+                $($name => Some($exhibit::$answer),)*
+                _ => None,
+            }
+        }
+
+        $(const _: () = {
+            /// Answers this exhibit; large arrays are in the outcome's bytes.
+            ///
+            /// # Safety
+            /// `question` and `len` are from one call of `chordal_alloc` and were not freed.
+            #[unsafe(export_name = concat!("chordal_exhibit_", $name))]
+            unsafe extern "C" fn exported(question: *const u8, len: usize) -> *mut Outcome {
+                // SAFETY: by the contract it is initialized, live and of that length, and nothing writes to it during
+                // the call, since a WASM module like this one has one thread.
+                let question = unsafe { std::slice::from_raw_parts(question, len) };
+                Box::into_raw(Box::new(outcome($exhibit::$answer, question)))
+            }
+        };)*
+    };
 }
 
-fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
-    let (name, request) = ExhibitRequest::parse(question)?;
-    match name.as_str() {
-        "quad" => quad::quad(&request),
-        "inside" => inside::inside(&request),
-        "weights" => weights::weights(&request),
-        "indexed" => indexed::indexed(&request),
-        "normals" => normals::normals(&request),
-        "culling" => culling::culling(&request),
-        "doctor" => doctor::doctor(&request),
-        "bernstein" => bernstein::bernstein(&request),
-        "joins" => joins::joins(&request),
-        "runge" => runge::runge(&request),
-        "cracks" => cracks::cracks(&request),
-        "cage" => cage::cage(&request),
-        "field" => field::field(&request),
-        "csg" => csg::csg(&request),
-        "tracing" => tracing::tracing(&request),
-        "squares" => squares::squares(&request),
-        "baking" => baking::baking(&request),
-        "levels" => levels::levels(&request),
-        "overshade" => overshade::overshade(&request),
-        "budget" => budget::budget(&request),
-        "questions" => questions::questions(&request),
-        _ => Err(format!("there is no exhibit '{name}'")),
-    }
+exhibits! {
+    "quad" => quad::quad(&request),
+    "inside" => inside::inside(&request),
+    "weights" => weights::weights(&request),
+    "indexed" => indexed::indexed(&request),
+    "normals" => normals::normals(&request),
+    "culling" => culling::culling(&request),
+    "doctor" => doctor::doctor(&request),
+    "bernstein" => bernstein::bernstein(&request),
+    "joins" => joins::joins(&request),
+    "runge" => runge::runge(&request),
+    "cracks" => cracks::cracks(&request),
+    "cage" => cage::cage(&request),
+    "field" => field::field(&request),
+    "csg" => csg::csg(&request),
+    "tracing" => tracing::tracing(&request),
+    "squares" => squares::squares(&request),
+    "baking" => baking::baking(&request),
+    "levels" => levels::levels(&request),
+    "overshade" => overshade::overshade(&request),
+    "budget" => budget::budget(&request),
+    "questions" => questions::questions(&request),
+}
+
+fn outcome(answer: Answer, question: &[u8]) -> Outcome {
+    let answered = ExhibitRequest::parse(question).and_then(|(_, request)| answer(&request));
+    answered.map_or_else(|error| Outcome::failed(2, error), ExhibitAnswer::into_outcome)
 }
 
 #[cfg(test)]
@@ -71,12 +95,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_question_is_an_object_that_names_its_exhibit() {
+        for (question, part) in [("", "JSON"), ("[]", "object"), ("{}", "exhibit")] {
+            let error = String::from_utf8(outcome(quad::quad, question.as_bytes()).error).unwrap();
+            assert!(error.contains(part), "{question}: {error}");
+        }
+    }
+
+    #[test]
     fn a_question_that_makes_no_sense_is_refused_in_a_sentence() {
         for (question, part) in [
-            ("", "JSON"),
-            ("[]", "object"),
-            ("{}", "exhibit"),
-            (r#"{"exhibit": "nothing"}"#, "nothing"),
             (r#"{"exhibit": "bernstein", "control": [[0, 0], [1, 0], [1, 1], [0, 1]], "t": 2}"#, "1.1"),
             (r#"{"exhibit": "joins", "first": [[0, 0]], "second": [], "keep": "C1", "scale": 1}"#, "first"),
             (r#"{"exhibit": "runge", "count": 400, "row": 0, "lift": 0}"#, "count"),
@@ -105,7 +133,8 @@ mod tests {
             (r#"{"exhibit": "overshade", "side": 0.01}"#, "side"),
             (r#"{"exhibit": "budget", "shape": "cow", "step": 1}"#, "shape"),
         ] {
-            let outcome = outcome(question.as_bytes());
+            let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
+            let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
             let error = String::from_utf8(outcome.error).unwrap();
             assert_eq!(outcome.exit, 2, "{question}");
             assert!(error.contains(part) && !error.contains('\n'), "{question}: {error}");

@@ -1,6 +1,7 @@
 //! The six questions at the end: the facts of their exhibits in the initial state.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
+use super::{Answer, culling, field, joins, normals, overshade, quad};
 use serde_json::{Map, Value};
 
 /// The most exhibits in a request.
@@ -11,15 +12,25 @@ pub(super) fn questions(request: &ExhibitRequest) -> Result<ExhibitAnswer, Strin
     request.only(&["asked"])?;
     let mut facts_by_name = Map::new();
     for question in request.questions("asked", MOST)? {
-        let name = question["exhibit"].as_str().unwrap_or_default();
-        if name == "questions" {
-            return Err("asked cannot contain the exhibit 'questions' itself".to_owned());
-        }
-        let mut facts = super::answered(question.to_string().as_bytes())?.facts;
+        let (name, request) = ExhibitRequest::parse(question.to_string().as_bytes())?;
+        let mut facts = answer_of(&name)?(&request)?.facts;
         without_arrays(&mut facts);
-        facts_by_name.insert(name.to_owned(), facts);
+        facts_by_name.insert(name, facts);
     }
     Ok(ExhibitAnswer::new(Value::Object(facts_by_name)))
+}
+
+/// The exhibits that have a question. Named, so that a module with the questions has nothing of the others.
+fn answer_of(name: &str) -> Result<Answer, String> {
+    Ok(match name {
+        "quad" => quad::quad,
+        "normals" => normals::normals,
+        "culling" => culling::culling,
+        "joins" => joins::joins,
+        "field" => field::field,
+        "overshade" => overshade::overshade,
+        _ => return Err(format!("asked: there is no question about the exhibit '{name}'")),
+    })
 }
 
 /// Replaces references to arrays by null, since the bytes of the answer are dropped.
@@ -44,12 +55,17 @@ mod tests {
         });
         let ball = json!({ "exhibit": "culling", "shape": "ball", "flipped": [3], "eye": [3, -4, 2] });
         let question = json!({ "exhibit": "questions", "asked": [quad, ball] }).to_string();
-        let facts = super::super::answered(question.as_bytes()).unwrap().facts;
-        for alone in [quad, ball] {
-            let mut wanted = super::super::answered(alone.to_string().as_bytes()).unwrap().facts;
+        let facts = facts_of(questions, question);
+        for (alone, answer) in [(quad, quad::quad as Answer), (ball, culling::culling)] {
+            let name = alone["exhibit"].as_str().unwrap().to_owned();
+            let mut wanted = facts_of(answer, alone.to_string());
             without_arrays(&mut wanted);
-            assert_eq!(facts[alone["exhibit"].as_str().unwrap()], wanted);
+            assert_eq!(facts[name], wanted);
         }
         assert_eq!(facts["culling"]["mesh"], json!({ "positions": null, "indices": null }));
+    }
+
+    fn facts_of(answer: Answer, question: String) -> Value {
+        answer(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
 }
