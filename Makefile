@@ -19,7 +19,7 @@ TESTED := $(TARGET)/debug/chordal
 VENV := $(TARGET)/python/venv
 # The library as a module, and the command as the workbench runs it. What is small and fast takes long to build, so tests
 # build what is not.
-MODULE_PROFILE ?= release
+MODULE_PROFILE ?= web
 MODULE_TARGET ?= wasm32-unknown-unknown
 WEB_PROFILE ?= web
 WASM = $(TARGET)/$(MODULE_TARGET)/$(MODULE_PROFILE)/chordal_wasm.wasm
@@ -56,16 +56,14 @@ studio: studio-page ## build the page of 'chordal studio', and the command with 
 	@echo "Run $(CHORDAL) studio and open the link that it prints."
 	@echo "studio/dist/page holds the same page as plain files, for any host; with ?embed=1 for a frame in another page."
 
-# The widget asks about curves alone, so its module leaves readers and writers out; what exhibits ask is in a second one that
-# their pages load; the workbench runs the command. The first two, and the module of test-web, are built to the same place
-# from the same library, so each is copied at once.
+# What the widget and the exhibits ask is compiled once, and linked into as many modules as pages ask for; the workbench runs
+# the command.
 MODULE = --profile $(MODULE_PROFILE) --locked --no-default-features -p chordal-wasm $(MODULE_TOO) --target $(MODULE_TARGET)
+PAGE_MODULE = rustc $(MODULE) --features exhibits --crate-type staticlib
+PAGE_LIBRARY = $(dir $(WASM))libchordal_wasm.a
 studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
-	$(CARGO) build $(MODULE)
-	mkdir -p studio/wasm
-	cmp -s $(WASM) studio/wasm/chordal.wasm || cp $(WASM) studio/wasm/chordal.wasm
-	$(CARGO) build $(MODULE) --features chordal-wasm/exhibits
-	cmp -s $(WASM) studio/wasm/exhibits.wasm || cp $(WASM) studio/wasm/exhibits.wasm
+	$(CARGO) $(PAGE_MODULE)
+	node studio/scripts/link.mjs $(PAGE_LIBRARY)
 	$(CARGO) build --profile $(WEB_PROFILE) --locked -p chordal-cli --no-default-features --target wasm32-wasip1
 	cmp -s $(WASI) studio/wasm/command.wasm || cp $(WASI) studio/wasm/command.wasm
 	cd studio && npm run --silent build && node scripts/notebook.mjs
@@ -79,6 +77,9 @@ test: export CHORDAL_PAGE_QUALITY := 5
 # hosts in tests refuse; those that are shipped have none, and test-long judges them.
 test: export MODULE_TARGET := wasm32-wasip1
 test: export MODULE_TOO := -p chordal-cli
+# To compile the library beside the command is to have a module of it and no archive to link from: one module has every name.
+test: export PAGE_MODULE = build $(MODULE) --features chordal-wasm/exhibits
+test: export PAGE_LIBRARY = $(WASM)
 test: fmt-check lint studio-page test-rust test-studio test-web test-looks test-tiles test-python ## everything that CI runs
 	@echo "All tests passed."
 

@@ -1,7 +1,7 @@
 // A 3D figure with handles over it: the viewer with WebGL; the same layers as flat shapes until it is ready, without WebGL,
 // and in print.
-import { options } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { createContext, options } from "preact";
+import { useContext, useEffect, useRef, useState } from "preact/hooks";
 import type { Children } from "./exhibit";
 import { Grip } from "./Grip";
 import {
@@ -18,6 +18,9 @@ import {
 
 /** The size before the figure is measured. */
 const STILL: Size = { width: 720, height: 480 };
+
+/** Whether scenes are drawn as thumbnails of the list. */
+export const Thumbnails = createContext(false);
 
 /** A number that is moved along a line in space. */
 export interface Pull {
@@ -132,23 +135,17 @@ export function Scene(props: SceneProps) {
   }, []);
 
   const at = projector(view, size);
-  const shapes = isLive && !isPrinted ? [] : still(picture, view, size);
+  const isThumbnail = useContext(Thumbnails);
+  const shapes = isLive && !isPrinted ? [] : still(picture, view, size, isThumbnail);
   return (
     <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": help })} role="group" aria-label={name}>
       <div class="gl" ref={stage} />
       <svg data-figure viewBox={`0 0 ${size.width} ${size.height}`} aria-hidden={isStill ? "true" : undefined}>
-        {shapes.map(({ d, fill, stroke, width, opacity }, i) => (
-          <path
-            key={i}
-            d={d}
-            fill={fill ?? "none"}
-            stroke={stroke}
-            stroke-width={width}
-            opacity={opacity}
-            stroke-linecap="round"
-            stroke-linejoin="round"
-          />
-        ))}
+        <g stroke-linecap="round" stroke-linejoin="round">
+          {shapes.map(({ d, fill, stroke, width, opacity }, i) => (
+            <path key={i} d={d} fill={fill ?? "none"} stroke={stroke} stroke-width={width} opacity={opacity} />
+          ))}
+        </g>
         {over?.(at)}
         {pulls?.map((pull) => (
           <PullHandle key={pull.name} pull={pull} at={at} isStill={isStill} />

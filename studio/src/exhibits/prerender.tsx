@@ -6,6 +6,7 @@ import type { AnyExhibit } from "./exhibit";
 import { Frame, Languages, Mark, Onward, titleOf } from "./Frame";
 import { FRAME } from "./frame_texts";
 import { EXHIBITS, type Entry, PARTS, STOPS, type Stop, WIDGET, fileOf, fileOfStop } from "./index";
+import { Thumbnails } from "./Scene";
 import { LANGUAGES, type Language, Say, TAGS } from "./say";
 
 /** A page that was written: its file and its contents. */
@@ -131,9 +132,13 @@ function listPage(loaded: { entry: Entry; exhibit: AnyExhibit }[], answers: unkn
     lang: TAGS[language],
     title: words.all,
     description: words.lead,
-    body: renderToString(page),
+    body: inWholeUnits(renderToString(<Thumbnails.Provider value={true}>{page}</Thumbnails.Provider>)),
   };
 }
+
+/** Paths without digits behind the point: the pictures of the list are shown at a third of the size that they are made for. */
+const inWholeUnits = (html: string) =>
+  html.replace(/ d="[^"]*"/g, (path) => path.replace(/-?\d*\.\d+/g, (number) => String(Math.round(Number(number)))));
 
 /** A simple drawing for the widget, whose own figure is in another module. */
 function Widget() {

@@ -15,16 +15,36 @@ export interface Shape {
   depth: number;
 }
 
+/** How fine a still is: the smallest triangle, in square pixels, and the stroke that closes the gaps beside one. */
+const PAGE = { leastArea: 0, seam: 0.6 };
+// Chosen: a triangle of less than half a pixel, at a third of the size, and its width.
+const THUMBNAIL = { leastArea: 4, seam: 2.5 };
+
 /** The factor for the depth of lines and dots, so that they are drawn over the triangles on which they lie. */
 const NEARER = 0.965;
 
-export function still({ layers }: Picture, view: View, size: Size): Shape[] {
+/** A still is drawn in a page, or as a thumbnail at a third of its size, without what is too small to be seen there. */
+export function still({ layers }: Picture, view: View, size: Size, isThumbnail = false): Shape[] {
   const at = projector(view, size);
   const light = lightOf(view);
-  const shapes = layers.flatMap((layer) => shapesOf(layer, at, light));
+  const shapes = layers.flatMap((layer) => shapesOf(layer, at, light, isThumbnail ? THUMBNAIL : PAGE));
   // Sorting is stable: of equal depth, a later layer is drawn over an earlier one.
-  return shapes.sort((a, b) => b.depth - a.depth);
+  return joined(shapes.sort((a, b) => b.depth - a.depth));
 }
+
+/** Neighbours in the order that look alike, as one path each: a page has thousands of these shapes. */
+function joined(shapes: readonly Shape[]): Shape[] {
+  const paths: Shape[] = [];
+  for (const shape of shapes) {
+    const last = paths.at(-1);
+    // Where both are transparent, their overlap is darker than either.
+    const isAlike = last && shape.opacity === undefined && LOOKS.every((look) => last[look] === shape[look]);
+    if (isAlike) last.d += shape.d;
+    else paths.push({ ...shape });
+  }
+  return paths;
+}
+const LOOKS = ["fill", "stroke", "width", "opacity"] as const;
 
 function lightOf(view: View): Vec3 {
   const [right, up, back] = axesOf(view);
@@ -34,11 +54,11 @@ function lightOf(view: View): Vec3 {
 
 export const painted = (paint: Paint) => (paint.startsWith("--") ? `var(${paint})` : paint);
 
-function shapesOf(layer: Layer, at: Projector, light: Vec3): Shape[] {
+function shapesOf(layer: Layer, at: Projector, light: Vec3, fineness: typeof PAGE): Shape[] {
   const depthFactor = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
   switch (layer.kind) {
     case "mesh":
-      return faces(layer, at, light);
+      return faces(layer, at, light, fineness);
     case "lines":
       return lines(layer.positions, layer, at, depthFactor);
     case "wire": {
@@ -61,7 +81,7 @@ function shapesOf(layer: Layer, at: Projector, light: Vec3): Shape[] {
   }
 }
 
-function faces(layer: MeshLayer, at: Projector, light: Vec3): Shape[] {
+function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }: typeof PAGE): Shape[] {
   const { positions, indices } = layer;
   const colors = vertexColors(layer);
   const shapes: Shape[] = [];
@@ -70,8 +90,9 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3): Shape[] {
     const normal = unit(across(triangle));
     const isFront = dot(normal, minus(at.eye, triangle[0])) > 0;
     if (!isFront && layer.sides === "front") continue;
-    const places = triangle.map((p) => at.to(p));
-    const depth = (places[0]![2] + places[1]![2] + places[2]![2]) / 3;
+    const places = triangle.map((p) => at.to(p)) as [Vec3, Vec3, Vec3];
+    if (areaOf(places) < leastArea) continue;
+    const depth = (places[0][2] + places[1][2] + places[2][2]) / 3;
     const paint = !isFront && layer.back ? layer.back : layer.groups ? layer.groups.paints[layer.groups.of[face]!]! : layer.paint;
     const color = colors ? mean(colors, indices, face) : paint.startsWith("#") ? hex(paint) : undefined;
     const normals = layer.shading === "smooth" ? layer.normals : undefined;
@@ -81,11 +102,14 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3): Shape[] {
     const fill = !color ? painted(paint) : css(layer.shading === "none" ? color : lit(color, cosine));
     const d = `M${places.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}z`;
     // A thin stroke of the same colour closes the antialiasing seams between neighbours.
-    const shape: Shape = { d, fill, stroke: fill, width: 0.6, depth };
+    const shape: Shape = { d, fill, stroke: fill, width: seam, depth };
     shapes.push(layer.opacity === undefined ? shape : { ...shape, opacity: layer.opacity });
   }
   return shapes;
 }
+
+const areaOf = ([[ax, ay], [bx, by], [cx, cy]]: readonly [Vec3, Vec3, Vec3]) =>
+  Math.abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2;
 
 function mean(of: Float32Array, indices: Uint32Array, face: number): Rgb {
   const rows = [0, 1, 2].map((k) => row(of, indices[3 * face + k]!));

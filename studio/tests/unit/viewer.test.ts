@@ -80,13 +80,16 @@ test("shrunk triangles keep their centroids", () => {
   a.forEach((x, i) => expect(b[i]).toBeCloseTo(x, 5));
 });
 
+/** Shapes that follow each other and look alike are one path. */
+const triangles = (shapes: readonly { d: string }[]) => shapes.flatMap(({ d }) => d.match(/z/g) ?? []).length;
+
 test("a still picture draws far triangles first, and culling omits back faces", () => {
   const shapes = still({ layers: [cube] }, VIEW, SIZE);
   const fronts = still({ layers: [{ ...cube, sides: "front" }] }, VIEW, SIZE);
-  expect([shapes.length, fronts.length]).toEqual([12, 6]);
+  expect([triangles(shapes), triangles(fronts)]).toEqual([12, 6]);
   expect(shapes.map(({ depth }) => depth)).toEqual(shapes.map(({ depth }) => depth).sort((a, b) => b - a));
   const backs = still({ layers: [{ ...cube, back: "#ff0000", shading: "none" }] }, VIEW, SIZE);
-  expect(backs.filter(({ fill }) => fill === "#ff0000").length).toBe(6);
+  expect(triangles(backs.filter(({ fill }) => fill === "#ff0000"))).toBe(6);
 });
 
 test("values become colours of a ramp between its ends", () => {

@@ -116,8 +116,15 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the features that `on_avx512` is compiled for were found in this processor.
         Isa::Avx512 if isa.is_available() => unsafe { on_avx512(kernel) },
-        _ => kernel.run(),
+        _ => on_plain(kernel),
     }
+}
+
+/// A call as for the other sets: inlined, a kernel would be copied to each of its callers, which made a module for browsers
+/// that asks fields a fifth larger.
+#[inline(never)]
+fn on_plain<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
 }
 
 #[cfg(target_arch = "x86_64")]
