@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mkdocs.structure.files import File, Files
+from mkdocs.utils import get_relative_url
 
 sys.path.insert(0, str(Path(__file__).parent))
 import pages
@@ -18,10 +20,15 @@ if TYPE_CHECKING:
     from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[2]
+#: The pages that `make studio` builds.
+STUDIO = ROOT / "studio/dist/page"
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the pages that are made of other files, and the files that pages link to."""
+    files.append(File.generated(config, pages.HOME, content=pages.home((STUDIO / "lesson.html").is_file())))
+    if not (STUDIO / "index.html").is_file():
+        print("NOTE: the site has no live exhibits, for the studio's pages are not built: make studio does", file=sys.stderr)
     for path, place in pages.PAGES.items():
         files.append(File.generated(config, place, abs_src_path=str(ROOT / path)))
     without = 0
@@ -47,11 +54,30 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     path = paths.get(place, f"docs/{place}")
     if (ROOT / path).is_file():
         markdown = pages.for_python_markdown(pages.for_site(markdown, path))
+    if place in pages.EXHIBITS and (STUDIO / "index.html").is_file():
+        file = f"{pages.EXHIBITS[place]}.html"
+        title = pages.title_of((STUDIO / file).read_text(encoding="utf-8"))
+        markdown = pages.with_exhibit(markdown, get_relative_url(f"{pages.STUDIO}/{file}?embed=1", page.url), title)
     if place.startswith("zh/"):
         # So that browsers take the letterforms of Chinese. The title is seen by nobody in there.
         page.meta.setdefault("title", markdown.partition("\n")[0].removeprefix("# "))
         markdown = f'<div lang="zh-Hans" markdown="1">\n\n{pages.without_breaks(markdown)}\n\n</div>\n'
     return markdown
+
+
+def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:
+    """The language of a page, which the theme takes to be that of the site."""
+    return output.replace('<html lang="en"', '<html lang="zh-Hans"', 1) if page.file.src_uri.startswith("zh/") else output
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Puts the studio's pages into the site, whose home is the lesson then."""
+    if not (STUDIO / "index.html").is_file():
+        return
+    site = Path(config.site_dir)
+    shutil.copytree(STUDIO, site / pages.STUDIO, dirs_exist_ok=True)
+    if (STUDIO / "lesson.html").is_file():
+        (site / "index.html").write_text(pages.going_to(f"{pages.STUDIO}/lesson.html"), encoding="utf-8")
 
 
 def _tutorial(notebook: Path) -> tuple[str, dict[str, str], bool]:

@@ -15,7 +15,7 @@ from typing import Any
 
 #: Files outside of docs/ that are pages of the site, and their places there.
 PAGES = {
-    "README.md": "index.md",
+    "README.md": "overview.md",
     "CONTRIBUTING.md": "project/contributing.md",
     "SECURITY.md": "project/security.md",
     "GLOSSARY.md": "project/glossary.md",
@@ -26,6 +26,30 @@ PAGES = {
     "examples/README.md": "project/examples.md",
     "examples/notebooks/README.md": "tutorials/index.md",
     "examples/notebooks/zh/README.md": "zh/tutorials/index.md",
+}
+#: The page that one comes to first: it is the lesson, in a site with the studio's pages.
+HOME = "index.md"
+#: Where the studio's pages are in the site.
+STUDIO = "studio"
+#: The exhibit that shows the idea of a page, live; the widget is "index".
+EXHIBITS = {
+    "bake.md": "baking",
+    "booleans.md": "csg",
+    "budget.md": "budget",
+    "cages.md": "cage",
+    "field_to_mesh.md": "squares",
+    "fields.md": "field",
+    "gpu_buffers.md": "indexed",
+    "lod.md": "levels",
+    "mend.md": "doctor",
+    "normals.md": "normals",
+    "overshade.md": "overshade",
+    "patches_to_mesh.md": "cracks",
+    "render_fields.md": "tracing",
+    "segments.md": "index",
+    "splines.md": "joins",
+    "tutorials/segments_until_smooth.md": "index",
+    "zh/tutorials/segments_until_smooth.md": "zh",
 }
 #: The folders of notebooks, and of the tutorials that they become.
 NOTEBOOKS = {"examples/notebooks": "tutorials", "examples/notebooks/zh": "zh/tutorials"}
@@ -151,6 +175,39 @@ def outputs_of(text: str, executed: dict[str, Any]) -> tuple[list[str], dict[str
                 shown.append(f"```text\n{data['text/plain']}\n```")
         below.append("\n\n".join(shown))
     return below, frames
+
+
+def home(has_lesson: bool) -> str:
+    """The first page. Browsers without a lesson to go to, and search, see this one."""
+    lesson = f"[Read the lesson]({STUDIO}/lesson.html) · [阅读中文版]({STUDIO}/lesson.zh.html)" if has_lesson else "`make studio` builds it."
+    return f"""# The lesson
+
+How do you write a shape down: as points that can be listed and drawn, or as a rule that tests any point? {lesson}
+
+Then the [gallery](gallery.md), [what Chordal is and how to install it](overview.md), and the [tutorials](tutorials/index.md).
+"""
+
+
+def with_exhibit(text: str, address: str, title: str) -> str:
+    """A page with a live exhibit below its introduction."""
+    frame = f'<iframe class="exhibit" src="{escape(address)}" title="{escape(title)}" loading="lazy"></iframe>'
+    heading = re.search(r"^## ", text, flags=re.M)
+    at = heading.start() if heading else len(text)
+    return f"{text[:at].rstrip()}\n\n{frame}\n\n{text[at:]}"
+
+
+def title_of(html: str) -> str:
+    """The title of a page of the studio."""
+    found = re.search(r"<title>(.*?)</title>", html, flags=re.S)
+    return unescape(found[1]) if found else ""
+
+
+def going_to(address: str) -> str:
+    """A page that leads to another one at once."""
+    return (
+        '<!doctype html>\n<html lang="en">\n<meta charset="utf-8">\n<title>Chordal</title>\n'
+        f'<meta http-equiv="refresh" content="0; url={address}">\n<p><a href="{address}">Chordal: the lesson</a>\n'
+    )
 
 
 def cells(text: str) -> list[tuple[bool, str]]:

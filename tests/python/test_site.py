@@ -51,12 +51,27 @@ def test_every_public_name_has_an_example_that_runs() -> None:
         assert has_example != (name in WITHOUT_EXAMPLE), name
 
 
+def test_live_exhibits_are_of_pages_that_exist() -> None:
+    listed = (ROOT / "studio" / "src" / "exhibits" / "index.ts").read_text(encoding="utf-8")
+    ids = {*re.findall(r'^    id: "(\w+)",$', listed, flags=re.M), "index", "zh"}
+    made = [pages.site_path(f"{folder}/{path.name}") for folder in pages.NOTEBOOKS for path in NOTEBOOKS]
+    for place, exhibit in pages.EXHIBITS.items():
+        assert place in made or (ROOT / "docs" / place).is_file(), place
+        assert exhibit in ids, exhibit
+
+
+def test_an_exhibit_is_below_the_introduction() -> None:
+    framed = pages.with_exhibit("# Levels\n\nWhat they are.\n\n## How\n\nSo.\n", "../a.html?b=1&c", 'Near "and" far')
+    frame = '<iframe class="exhibit" src="../a.html?b=1&amp;c" title="Near &quot;and&quot; far" loading="lazy"></iframe>'
+    assert framed == f"# Levels\n\nWhat they are.\n\n{frame}\n\n## How\n\nSo.\n"
+
+
 def test_every_page_is_in_the_navigation() -> None:
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
     listed = re.findall(r"[\w/-]+\.md", navigation)
     there = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")]
     made = [pages.site_path(f"{folder}/{path.name}") for folder in pages.NOTEBOOKS for path in NOTEBOOKS]
-    assert sorted(listed) == sorted([*there, *made, *pages.PAGES.values()])
+    assert sorted(listed) == sorted([*there, *made, *pages.PAGES.values(), pages.HOME])
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=[path.stem for path in NOTEBOOKS])
