@@ -105,23 +105,21 @@ const names = paths.map((path) => relative(assets, path)).filter((name) => !name
 const source = replaceOnce(await readFile(worker, "utf8"), '"none"', JSON.stringify(hash.digest("hex").slice(0, 16)), "the version");
 await writeFile(worker, replaceOnce(source, "const ASSETS = [];", `const ASSETS = ${JSON.stringify(names)};`, "the names of assets"));
 
-// All files in one archive, which the command contains: a line of JSON with their names and lengths, then their bytes, sorted
-// by kind for better compression. The best quality takes a minute; CHORDAL_PAGE_QUALITY is from 0 to 11.
-const kind = (path) => path.slice(path.lastIndexOf("."));
+// All files in one archive, which the command contains: a line of JSON with their names and lengths, then their bytes, each
+// compressed as the server sends it. The best quality takes a minute; CHORDAL_PAGE_QUALITY is from 0 to 11.
 const packed = (await readdir(out, { recursive: true, withFileTypes: true }))
   .filter((entry) => entry.isFile())
   .map((entry) => join(entry.parentPath, entry.name))
-  .sort((a, b) => (kind(a) === kind(b) ? (a < b ? -1 : 1) : kind(a) < kind(b) ? -1 : 1));
-const contents = await Promise.all(packed.map((path) => readFile(path)));
+  .sort();
+const quality = Number(process.env.CHORDAL_PAGE_QUALITY ?? constants.BROTLI_MAX_QUALITY);
+const contents = await Promise.all(packed.map(async (path) => compressed(await readFile(path))));
 const list = packed.map((path, i) => [relative(out, path).replaceAll("\\", "/"), contents[i].length]);
-const unpacked = Buffer.concat([Buffer.from(`${JSON.stringify(list)}\n`), ...contents]);
-const archive = brotliCompressSync(unpacked, {
-  params: {
-    [constants.BROTLI_PARAM_QUALITY]: Number(process.env.CHORDAL_PAGE_QUALITY ?? constants.BROTLI_MAX_QUALITY),
-    [constants.BROTLI_PARAM_LGWIN]: constants.BROTLI_MAX_WINDOW_BITS,
-    [constants.BROTLI_PARAM_SIZE_HINT]: unpacked.length,
-  },
-});
+const archive = Buffer.concat([Buffer.from(`${JSON.stringify(list)}\n`), ...contents]);
+function compressed(bytes) {
+  const { BROTLI_PARAM_QUALITY, BROTLI_PARAM_LGWIN, BROTLI_PARAM_SIZE_HINT, BROTLI_MAX_WINDOW_BITS } = constants;
+  const params = { [BROTLI_PARAM_QUALITY]: quality, [BROTLI_PARAM_LGWIN]: BROTLI_MAX_WINDOW_BITS, [BROTLI_PARAM_SIZE_HINT]: bytes.length };
+  return brotliCompressSync(bytes, { params });
+}
 await writeFile(join(root, "dist/page.br"), archive);
 console.log(`studio: ${Math.round(archive.length / 1000)} kB of it are built into the command`);
 console.log(`studio: the page is in studio/dist/page, with ${exhibits.length} of exhibits`);

@@ -4,6 +4,7 @@ import { createContext, options } from "preact";
 import { useContext, useEffect, useRef, useState } from "preact/hooks";
 import type { Children } from "./exhibit";
 import { Grip } from "./Grip";
+import { takeShapes } from "./kept";
 import {
   type Picture,
   type Projector,
@@ -62,7 +63,8 @@ export function Scene(props: SceneProps) {
   const latest = useRef(props);
   latest.current = props;
   const [size, setSize] = useState(STILL);
-  const [isLive, setLive] = useState(false);
+  const [viewerState, setViewerState] = useState<"loading" | "live" | "missing">("loading");
+  const [kept] = useState(takeShapes);
   const [isPrinted, setPrinted] = useState(false);
   const latestSize = useRef(size);
   latestSize.current = size;
@@ -98,10 +100,11 @@ export function Scene(props: SceneProps) {
         created.draw(latest.current.picture);
         created.now();
         element.dataset["viewer"] = "webgl";
-        setLive(true);
+        setViewerState("live");
       },
       () => {
         element.dataset["viewer"] = "svg";
+        setViewerState("missing");
       },
     );
     return () => {
@@ -136,7 +139,11 @@ export function Scene(props: SceneProps) {
 
   const at = projector(view, size);
   const isThumbnail = useContext(Thumbnails);
-  const shapes = isLive && !isPrinted ? [] : still(picture, view, size, isThumbnail);
+  const isKept = kept && viewerState === "loading" && !isPrinted;
+  const shapes = isKept || (viewerState === "live" && !isPrinted) ? [] : still(picture, view, size, isThumbnail);
+  // As the projection does: about the middle, so that all of it fits.
+  const scale = Math.min(size.width / STILL.width, size.height / STILL.height);
+  const [left, top] = [0.5 * (size.width - scale * STILL.width), 0.5 * (size.height - scale * STILL.height)];
   return (
     <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": help })} role="group" aria-label={name}>
       <div class="gl" ref={stage} />
@@ -146,6 +153,7 @@ export function Scene(props: SceneProps) {
             <path key={i} d={d} fill={fill ?? "none"} stroke={stroke} stroke-width={width} opacity={opacity} />
           ))}
         </g>
+        {isKept && <g transform={`translate(${left} ${top}) scale(${scale})`} ref={(g) => g?.append(kept)} />}
         {over?.(at)}
         {pulls?.map((pull) => (
           <PullHandle key={pull.name} pull={pull} at={at} isStill={isStill} />

@@ -6,6 +6,7 @@ import { Frame } from "./Frame";
 import { read, write } from "./fragment";
 import { FRAME } from "./frame_texts";
 import { EXHIBITS, type Entry } from "./index";
+import { keepShapes } from "./kept";
 import { type Language, Say } from "./say";
 
 /** The address is written after a pause: some browsers refuse more than a hundred changes in half a minute. */
@@ -93,8 +94,12 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
       );
       return;
     }
-    if (!isDrawn) root.replaceChildren();
     const fragment = write(state, exhibit.defaults as object, exhibit.parts);
+    if (!isDrawn) {
+      // The page was written for the initial state.
+      if (!fragment) keepShapes(root);
+      root.replaceChildren();
+    }
     render(
       <Frame
         entry={entry}

@@ -1,4 +1,5 @@
-//! `StudioPage`: the files that are served, all in memory, each under one fixed URL.
+//! `StudioPage`: the files that are served, all in memory, each under one fixed URL. Those that are built into the command stay
+//! compressed, as browsers ask for them.
 use crate::fault::{Fault, plainly};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -25,10 +26,29 @@ const WORKBENCH: &str = "/workbench.html";
 /// One file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PageFile {
-    /// The content.
+    /// The content, compressed by Brotli if `is_packed`.
     pub bytes: Cow<'static, [u8]>,
+    /// Whether it is compressed.
+    pub is_packed: bool,
     /// Its media type.
     pub kind: &'static str,
+}
+
+impl PageFile {
+    fn plain(bytes: Vec<u8>, kind: &'static str) -> Self {
+        Self { bytes: bytes.into(), is_packed: false, kind }
+    }
+
+    /// The content for a client that does not decompress; nothing if the file is damaged.
+    pub fn unpacked(&self) -> Option<Vec<u8>> {
+        if !self.is_packed {
+            return Some(self.bytes.to_vec());
+        }
+        let mut content = Vec::new();
+        let stream = brotli_decompressor::Decompressor::new(self.bytes.as_ref(), BUFFER);
+        stream.take(MOST_BYTES).read_to_end(&mut content).ok()?;
+        Some(content)
+    }
 }
 
 /// The files by the path of their URL. Only listed paths exist: a request is never turned into a path of the
@@ -52,7 +72,7 @@ impl StudioPage {
         if let Some(archive) = built::ARCHIVE {
             let damaged =
                 || Fault::input("damaged-page", "the page that is built into this command is damaged");
-            return unpacked(archive).map(Self::new).ok_or_else(damaged);
+            return listed(archive).map(Self::new).ok_or_else(damaged);
         }
         match page_folder() {
             Some(dir) => Self::read(&dir),
@@ -88,7 +108,7 @@ impl StudioPage {
             files.iter().map(|(name, _)| format!("open={}", percent_encoded(name))).collect();
         self.home = format!("{WORKBENCH}?{}", names.join("&"));
         for (number, (_, bytes)) in files.into_iter().enumerate() {
-            let file = PageFile { bytes: bytes.into(), kind: "application/octet-stream" };
+            let file = PageFile::plain(bytes, "application/octet-stream");
             self.files.insert(format!("/opened/{number}"), file);
         }
         Ok(self)
@@ -124,7 +144,7 @@ impl StudioPage {
                     return Err(fault(&path, "a page has at most 256 files of 32 MiB each"));
                 }
                 let bytes = fs::read(&path).map_err(|error| fault(&path, &plainly(&error)))?;
-                files.insert(format!("{prefix}{name}"), PageFile { bytes: bytes.into(), kind });
+                files.insert(format!("{prefix}{name}"), PageFile::plain(bytes, kind));
             }
         }
         if files.contains_key("/index.html") {
@@ -135,21 +155,19 @@ impl StudioPage {
     }
 }
 
-/// The files of an archive: a line of JSON with names and lengths, then the bytes of all files in order, all
+/// The files of an archive: a line of JSON with names and lengths, then the bytes of all files in order, each
 /// compressed by Brotli.
-fn unpacked(archive: &[u8]) -> Option<BTreeMap<String, PageFile>> {
-    let mut content = Vec::new();
-    brotli_decompressor::Decompressor::new(archive, BUFFER).read_to_end(&mut content).ok()?;
-    let end = content.iter().position(|byte| *byte == b'\n')?;
-    let list: Vec<(String, usize)> = serde_json::from_slice(&content[..end]).ok()?;
-    let (mut files, mut rest) = (BTreeMap::new(), &content[end + 1..]);
+fn listed(archive: &'static [u8]) -> Option<BTreeMap<String, PageFile>> {
+    let end = archive.iter().position(|byte| *byte == b'\n')?;
+    let list: Vec<(String, usize)> = serde_json::from_slice(&archive[..end]).ok()?;
+    let (mut files, mut rest) = (BTreeMap::new(), &archive[end + 1..]);
     for (path, len) in list {
         // The lengths are those of the archive itself, which may be damaged.
         let (bytes, after) = rest.split_at_checked(len)?;
         rest = after;
         let name = path.rsplit('/').next().unwrap_or(&path);
         if let Some(kind) = kind(name) {
-            files.insert(format!("/{path}"), PageFile { bytes: bytes.to_vec().into(), kind });
+            files.insert(format!("/{path}"), PageFile { bytes: bytes.into(), is_packed: true, kind });
         }
     }
     Some(files)
@@ -237,19 +255,20 @@ mod tests {
 
     #[test]
     fn files_of_an_archive_are_served() {
-        // `[["index.html",3],["assets/a.js",1],["a.pem",2]]`, then `<p>1no`, as Node compresses it.
-        let archive = b"\x0b\x1b\x80[[\"index.html\",3],[\"assets/a.js\",1],[\"a.pem\",2]]\n<p>1no\x03";
-        let files = unpacked(archive).unwrap();
+        // `<p>`, `1` and `no`, as Node compresses them.
+        let archive = b"[[\"index.html\",7],[\"assets/a.js\",5],[\"a.pem\",6]]\n\
+            \x0b\x01\x80<p>\x03\x0b\x00\x801\x03\x8b\x00\x80no\x03";
+        let files = listed(archive).unwrap();
         let names: Vec<&str> = files.keys().map(String::as_str).collect();
         assert_eq!(names, ["/assets/a.js", "/index.html"]);
-        assert_eq!(
-            (files["/index.html"].bytes.as_ref(), files["/assets/a.js"].bytes.as_ref()),
-            (&b"<p>"[..], &b"1"[..])
-        );
-        assert_eq!(unpacked(&archive[..archive.len() / 2]), None);
-        assert_eq!(unpacked(b""), None);
+        assert_eq!(files["/index.html"].unpacked().unwrap(), b"<p>");
+        assert_eq!(files["/assets/a.js"].unpacked().unwrap(), b"1");
+        let cut = PageFile { bytes: archive[49..52].into(), ..files["/index.html"].clone() };
+        assert_eq!(cut.unpacked(), None);
+        assert_eq!(listed(&archive[..archive.len() / 2]), None);
+        assert_eq!(listed(b""), None);
         if let Some(built) = built::ARCHIVE {
-            let page = unpacked(built).unwrap();
+            let page = listed(built).unwrap();
             assert!(page.contains_key("/index.html") && page.contains_key(WORKBENCH), "{:?}", page.keys());
         }
     }

@@ -5,12 +5,14 @@ use super::page::{PageFile, StudioPage};
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
 use hyper::header::{
-    ALLOW, CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderValue, LOCATION, REFERRER_POLICY,
-    SET_COOKIE, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
+    ACCEPT_ENCODING, ALLOW, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE,
+    HeaderMap, HeaderValue, LOCATION, REFERRER_POLICY, SET_COOKIE, VARY, X_CONTENT_TYPE_OPTIONS,
+    X_FRAME_OPTIONS,
 };
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use std::borrow::Cow;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
@@ -98,10 +100,39 @@ fn file<B>(page: &StudioPage, request: &Request<B>) -> Response<Full<Bytes>> {
         response.headers_mut().insert(ALLOW, HeaderValue::from_static("GET, HEAD"));
         return response;
     }
-    match page.get(request.uri().path()) {
-        Some(PageFile { bytes, kind }) => with_type(StatusCode::OK, kind, Bytes::copy_from_slice(bytes)),
-        None => text(StatusCode::NOT_FOUND, "There is no such file.\n"),
+    let Some(file) = page.get(request.uri().path()) else {
+        return text(StatusCode::NOT_FOUND, "There is no such file.\n");
+    };
+    sent(file, file.is_packed && takes_brotli(request.headers()))
+}
+
+/// A file as it is stored, or decompressed.
+fn sent(file: &PageFile, as_stored: bool) -> Response<Full<Bytes>> {
+    let content = match &file.bytes {
+        Cow::Borrowed(bytes) if as_stored => Some(Bytes::from_static(bytes)),
+        _ => file.unpacked().map(Bytes::from),
+    };
+    let Some(content) = content else {
+        return text(StatusCode::INTERNAL_SERVER_ERROR, "This file is damaged.\n");
+    };
+    let mut response = with_type(StatusCode::OK, file.kind, content);
+    if as_stored {
+        response.headers_mut().insert(CONTENT_ENCODING, HeaderValue::from_static("br"));
     }
+    if file.is_packed {
+        response.headers_mut().insert(VARY, HeaderValue::from_static("accept-encoding"));
+    }
+    response
+}
+
+/// Whether a client decompresses Brotli: it names it, and not with the weight 0.
+fn takes_brotli(headers: &HeaderMap) -> bool {
+    let lines = headers.get_all(ACCEPT_ENCODING).iter().filter_map(|line| line.to_str().ok());
+    lines.flat_map(|line| line.split(',')).any(|coding| {
+        let (name, weight) = coding.split_once(';').unwrap_or((coding, "q=1"));
+        let weight = weight.trim().strip_prefix("q=").and_then(|weight| weight.parse::<f64>().ok());
+        name.trim().eq_ignore_ascii_case("br") && weight.is_some_and(|weight| weight > 0.0)
+    })
 }
 
 /// Redirects to the page without the token, which thus leaves the address bar and the history.
@@ -126,4 +157,31 @@ fn with_type(status: StatusCode, kind: &'static str, bytes: Bytes) -> Response<F
     *response.status_mut() = status;
     response.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static(kind));
     response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_sent_as_it_is_stored_to_who_decompresses_it() {
+        // `<p>`, as Node compresses it.
+        let file =
+            PageFile { bytes: (&b"\x0b\x01\x80<p>\x03"[..]).into(), is_packed: true, kind: "text/html" };
+        for (accepted, as_stored) in [
+            (Some("gzip, deflate, br, zstd"), true),
+            (Some("br;q=0.5"), true),
+            (Some("gzip, BR"), true),
+            (Some("gzip, br;q=0"), false),
+            (Some("gzip, brotli"), false),
+            (None, false),
+        ] {
+            let headers = accepted.map(|accepted| (ACCEPT_ENCODING, HeaderValue::from_static(accepted)));
+            assert_eq!(takes_brotli(&headers.into_iter().collect()), as_stored, "{accepted:?}");
+            let response = sent(&file, as_stored);
+            assert_eq!(response.headers().contains_key(CONTENT_ENCODING), as_stored);
+            assert_eq!(response.headers()[VARY], "accept-encoding");
+        }
+        assert_eq!(sent(&PageFile { is_packed: false, ..file }, false).headers().get(VARY), None);
+    }
 }
