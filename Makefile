@@ -19,7 +19,7 @@ TESTED := $(TARGET)/debug/chordal
 VENV := $(TARGET)/python/venv
 # The library as a module, and the command as the workbench runs it. What is small and fast takes long to build, so tests
 # build what is not.
-MODULE_PROFILE ?= web
+MODULE_PROFILE ?= page
 MODULE_TARGET ?= wasm32-unknown-unknown
 WEB_PROFILE ?= web
 WASM = $(TARGET)/$(MODULE_TARGET)/$(MODULE_PROFILE)/chordal_wasm.wasm
@@ -282,23 +282,12 @@ bench-studio: studio-page need-chromium ## how long a drag on the studio's page 
 pictures: need-rust ## take the pictures of the docs again
 	$(CARGO) build --release --locked -p chordal-cli
 	mkdir -p docs/pictures
-	for name in block bracket gyroid blobs angle_bracket creature gyroid_cube; do \
-		$(CHORDAL) render examples/$$name.star --size 480x360 -o docs/pictures/$$name.png --force -q; \
-	done
-	part() { $(CHORDAL) render examples/$$1.star --view "480x360 $$2" -o docs/pictures/$$1.png --force -q; }; \
-		part twisted_bolt "fov=30 eye=60,-80,25 target=0,0,-17"; \
-		part gear "fov=35 eye=25,-55,70 target=0,0,0"; \
-		part enclosure "fov=35 eye=-25,-62,110 target=0,0,9"; \
-		part vase "fov=35 eye=70,-140,130 target=0,0,44"
-	$(CHORDAL) render examples/cube.obj --show zebra --size 480x360 -o docs/pictures/zebra.png --force -q
-	$(CHORDAL) render examples/teapot.bpt --show overshade --cull back --size 480x360 -o docs/pictures/overshade.png --force -q
 	echo '(sphere(1) | torus(1.3, 0.2)) - cylinder(0.45, 4)' > $(TARGET)/two-shores.star
 	$(CHORDAL) mesh $(TARGET)/two-shores.star --tol 0.01 -o $(TARGET)/two-shores.ply --force -q
 	for of in "two-shores.star shaded field" "two-shores.ply wire mesh"; do set -- $$of; \
 		$(CHORDAL) render $(TARGET)/$$1 --show $$2 --view "480x360 fov=30 eye=1,-5,3.5 target=0,0,-0.1" \
 			-o docs/pictures/two-shores-$$3.png --force -q; \
 	done
-	$(CHORDAL) render examples/cube.obj --show wire --tol 1% --size 480x360 -o docs/pictures/cube.png --force -q
 	python3 tests/parts/gallery.py --command $(CHORDAL)
 
 install: need-rust ## put chordal where cargo puts programs

@@ -1,4 +1,4 @@
-"""Writes docs/gallery.md: twenty of the parts, each with a picture, its triangles and its bound.
+"""Writes docs/gallery.md: twenty of the parts, each with a picture, its triangles and its bound, and the docs' other pictures.
 
     python gallery.py --command target/release/chordal
 
@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import shlex
 import subprocess
 import tempfile
 from pathlib import Path
@@ -44,11 +45,11 @@ PARTS = {
 HEAD = """\
 # Gallery: parts as code
 Twenty of the 179 everyday parts in `tests/parts`, each a [shape script](shape-scripts.md) of a few lines. Every part becomes a
-closed, manifold mesh, and the tests compare its volume with a value calculated without Chordal. The pictures show the
-triangles of
+closed, manifold mesh, and the tests compare its volume with a value calculated without Chordal. A picture is made by
 
 ```sh
 chordal mesh tests/parts/NAME.star --tol 0.1% -o NAME.ply
+chordal render NAME.ply --size 360x270 -o NAME.png
 ```
 
 The *bound* limits how far a point of the mesh is from the shape, and a point of the shape from the mesh; *allowed* is the
@@ -56,6 +57,30 @@ budget, 0.1 % of the size. If the proof of a bound does not end, the mesh is mea
 found, and the report lists the places without a proof ([bounds](bound.md)).
 
 """
+
+#: The other pictures of the docs, and the commands that take them.
+OTHERS = {
+    **{name: f"render examples/{name}.star" for name in ("block", "bracket", "gyroid", "gyroid_cube", "blobs", "angle_bracket", "creature")},
+    "twisted_bolt": 'render examples/twisted_bolt.star --view "480x360 fov=30 eye=60,-80,25 target=0,0,-17"',
+    "gear": 'render examples/gear.star --view "480x360 fov=35 eye=25,-55,70 target=0,0,0"',
+    "enclosure": 'render examples/enclosure.star --view "480x360 fov=35 eye=-25,-62,110 target=0,0,9"',
+    "vase": 'render examples/vase.star --view "480x360 fov=35 eye=70,-140,130 target=0,0,44"',
+    "cube": "render examples/cube.obj --show wire --tol 1%",
+    "zebra": "render examples/cube.obj --show zebra",
+    "overshade": "render examples/teapot.bpt --show overshade --cull back",
+}
+TAIL = """
+## Other pictures of these pages
+Each is made by the command below it, with `--size 480x360` where it names no view, and `-o NAME.png`.
+
+"""
+
+
+def other(program: str, name: str) -> str:
+    """A cell of the other table: a picture, taken by its command, and that command."""
+    size = [] if "--view" in OTHERS[name] else ["--size", "480x360"]
+    command([program, *shlex.split(OTHERS[name]), *size, "-o", str(DOCS / "pictures" / f"{name}.png"), "--force", "-q"])
+    return f"![{name}](pictures/{name}.png) `chordal {OTHERS[name]}`"
 
 
 def command(words: list[str]) -> str:
@@ -88,13 +113,18 @@ def entry(program: str, name: str, words: str) -> str:
     )
 
 
+def table(cells: list[str]) -> str:
+    """Two cells a row."""
+    rows = [f"| {a} | {b} |\n" for a, b in zip(cells[::2], cells[1::2], strict=True)]
+    return "| | |\n|---|---|\n" + "".join(rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--command", required=True)
     program = parser.parse_args().command
-    cells = [entry(program, name, words) for name, words in PARTS.items()]
-    rows = [f"| {a} | {b} |\n" for a, b in zip(cells[::2], cells[1::2], strict=True)]
-    (DOCS / "gallery.md").write_text(HEAD + "| | |\n|---|---|\n" + "".join(rows), encoding="utf-8")
+    parts = table([entry(program, name, words) for name, words in PARTS.items()])
+    (DOCS / "gallery.md").write_text(HEAD + parts + TAIL + table([other(program, name) for name in OTHERS]), encoding="utf-8")
 
 
 if __name__ == "__main__":
