@@ -14,8 +14,8 @@ mod built {
 
 /// The most bytes of one file. Chosen: twice the largest, which is the command as a module.
 const MOST_BYTES: u64 = 32 << 20;
-/// The most files of a folder that is served. Chosen: every exhibit has two pages and a script or two.
-const MOST_FILES: usize = 256;
+/// The most files of a folder that is served. Chosen: every exhibit has two pages, a script or two, and perhaps a module.
+const MOST_FILES: usize = 512;
 
 /// The size of the decompression buffer.
 const BUFFER: usize = 1 << 16;
@@ -141,7 +141,7 @@ impl StudioPage {
                     continue;
                 }
                 if data.len() > MOST_BYTES || files.len() == MOST_FILES {
-                    return Err(fault(&path, "a page has at most 256 files of 32 MiB each"));
+                    return Err(fault(&path, "a page has at most 512 files of 32 MiB each"));
                 }
                 let bytes = fs::read(&path).map_err(|error| fault(&path, &plainly(&error)))?;
                 files.insert(format!("{prefix}{name}"), PageFile::plain(bytes, kind));
