@@ -6,6 +6,7 @@ import type { Children } from "./exhibit";
 import { Grip } from "./Grip";
 import { takeShapes } from "./kept";
 import {
+  type Camera,
   type Picture,
   type Projector,
   type Size,
@@ -53,10 +54,14 @@ interface SceneProps {
   tap?(at: Projector, x: number, y: number): void;
   /** An overlay, in pixels. */
   over?(at: Projector): Children;
+  /** Where the target is drawn, in pixels right of the middle and below it. */
+  shift?: readonly [number, number];
+  /** Listens for the reader's hands, in place of a figure's usual ones; returns what ends it. */
+  steer?(element: HTMLElement, camera: Camera): () => void;
 }
 
 export function Scene(props: SceneProps) {
-  const { name, help, picture, view, isStill, pulls, over } = props;
+  const { name, help, picture, view, isStill, pulls, over, shift } = props;
   const root = useRef<HTMLDivElement>(null);
   const stage = useRef<HTMLDivElement>(null);
   const viewer = useRef<Awaited<ReturnType<typeof createViewer>> | null>(null);
@@ -66,8 +71,9 @@ export function Scene(props: SceneProps) {
   const [viewerState, setViewerState] = useState<"loading" | "live" | "missing">("loading");
   const [kept] = useState(takeShapes);
   const [isPrinted, setPrinted] = useState(false);
-  const latestSize = useRef(size);
-  latestSize.current = size;
+  const shownSize: Size = shift ? { ...size, shift } : size;
+  const latestSize = useRef(shownSize);
+  latestSize.current = shownSize;
 
   useEffect(() => {
     const [element, container] = [root.current!, stage.current!];
@@ -79,7 +85,7 @@ export function Scene(props: SceneProps) {
     const sizeObserver = new ResizeObserver(measure);
     sizeObserver.observe(element);
     measure();
-    const free = control(element, {
+    const free = (latest.current.steer ?? control)(element, {
       view: () => latest.current.view,
       size: () => latestSize.current,
       get home() {
@@ -96,7 +102,7 @@ export function Scene(props: SceneProps) {
       (created) => {
         if (isGone) return created.dispose();
         viewer.current = created;
-        created.look(latest.current.view);
+        created.look(latest.current.view, latest.current.shift);
         created.draw(latest.current.picture);
         created.now();
         element.dataset["viewer"] = "webgl";
@@ -117,7 +123,7 @@ export function Scene(props: SceneProps) {
   }, []);
 
   useEffect(() => {
-    viewer.current?.look(view);
+    viewer.current?.look(view, shift);
     viewer.current?.draw(picture);
   });
 
@@ -137,10 +143,12 @@ export function Scene(props: SceneProps) {
     };
   }, []);
 
-  const at = projector(view, size);
+  // On paper there are no panels beside which the target would be drawn.
+  const shownAs = isPrinted ? size : shownSize;
+  const at = projector(view, shownAs);
   const isThumbnail = useContext(Thumbnails);
   const isKept = kept && viewerState === "loading" && !isPrinted;
-  const shapes = isKept || (viewerState === "live" && !isPrinted) ? [] : still(picture, view, size, isThumbnail);
+  const shapes = isKept || (viewerState === "live" && !isPrinted) ? [] : still(picture, view, shownAs, isThumbnail);
   // As the projection does: about the middle, so that all of it fits.
   const scale = Math.min(size.width / STILL.width, size.height / STILL.height);
   const [left, top] = [0.5 * (size.width - scale * STILL.width), 0.5 * (size.height - scale * STILL.height)];

@@ -13,6 +13,8 @@ interface Common {
   isOnTop?: boolean;
   /** Whether all other layers cover it, as a ground. */
   isUnder?: boolean;
+  /** Whether a section leaves it whole. */
+  isWhole?: boolean;
 }
 
 /** Triangles. */

@@ -10,6 +10,8 @@ export interface View {
   /** From the target to the eye. */
   distance: number;
   target: Vec3;
+  /** Parallel projection, in which lengths at the target have the same size as in perspective. */
+  isParallel?: boolean;
 }
 
 /** The vertical field of view of a picture of aspect `ASPECT` or wider. Chosen small, so that parallels look parallel. */
@@ -20,6 +22,8 @@ const ASPECT = 1.5;
 export interface Size {
   width: number;
   height: number;
+  /** Where the target is drawn, in pixels to the right of the middle and below it; in the middle if left out. */
+  shift?: readonly [right: number, down: number];
 }
 
 /** The largest elevation: at 90 degrees the up direction is undefined. */
@@ -54,12 +58,13 @@ export function eyeOf(view: View): Vec3 {
 /** Right, up, and back towards the eye. */
 export function axesOf(view: View): readonly [Vec3, Vec3, Vec3] {
   const back = towardsEye(view);
-  const right = unit(cross([0, 0, 1], back));
+  // From the azimuth alone, so that it is defined for an eye straight above.
+  const right: Vec3 = [-Math.sin(radians(view.azimuth)), Math.cos(radians(view.azimuth)), 0];
   return [right, cross(back, right), back];
 }
 
 /** Pixels per unit of length at distance 1. */
-const focal = ({ width, height }: Size) => Math.min(height, width / ASPECT) / 2 / Math.tan(radians(FOV_DEG) / 2);
+export const focal = ({ width, height }: Size) => Math.min(height, width / ASPECT) / 2 / Math.tan(radians(FOV_DEG) / 2);
 
 /** The vertical field of view, in degrees. */
 export const fovOf = (size: Size) => (2 * Math.atan(size.height / 2 / focal(size)) * 180) / Math.PI;
@@ -69,23 +74,32 @@ export interface Projector {
   to(point: Vec3): readonly [x: number, y: number, depth: number];
   /** The direction of the ray from the eye through a pixel. */
   ray(x: number, y: number): Vec3;
+  /** The point at which that ray begins: the eye, except in parallel projection. */
+  origin(x: number, y: number): Vec3;
   eye: Vec3;
+  /** Pixels per unit of length at a depth. */
+  scale(depth: number): number;
 }
 
 export function projector(view: View, size: Size): Projector {
   const [right, up, back] = axesOf(view);
   const eye = eyeOf(view);
   const f = focal(size);
+  const [x0, y0] = [size.width / 2 + (size.shift?.[0] ?? 0), size.height / 2 + (size.shift?.[1] ?? 0)];
+  const { isParallel, distance } = view;
+  // Behind the eye the scale would be negative and mirror the point.
+  const scale = (depth: number) => f / (isParallel ? distance : Math.max(depth, 1e-9));
+  const across = (x: number, y: number, s: number) => plus(plus([0, 0, 0], right, (x - x0) * s), up, (y0 - y) * s);
   return {
     eye,
+    scale,
     to(point) {
       const from = minus(point, eye);
       const depth = -dot(from, back);
-      // Behind the eye the scale would be negative and mirror the point.
-      const scale = f / Math.max(depth, 1e-9);
-      return [size.width / 2 + dot(from, right) * scale, size.height / 2 - dot(from, up) * scale, depth];
+      return [x0 + dot(from, right) * scale(depth), y0 - dot(from, up) * scale(depth), depth];
     },
-    ray: (x, y) => unit(plus(plus(plus([0, 0, 0], right, (x - size.width / 2) / f), up, (size.height / 2 - y) / f), back, -1)),
+    ray: (x, y) => (isParallel ? plus([0, 0, 0], back, -1) : unit(plus(across(x, y, 1 / f), back, -1))),
+    origin: (x, y) => (isParallel ? plus(eye, across(x, y, distance / f)) : eye),
   };
 }
 

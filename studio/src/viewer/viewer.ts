@@ -12,12 +12,15 @@ import {
   DirectionalLight,
   DoubleSide,
   FrontSide,
+  Group,
   type Material,
+  Matrix4,
   Mesh,
   MeshBasicMaterial,
   MeshPhongMaterial,
   MirroredRepeatWrapping,
   type Object3D,
+  OrthographicCamera,
   PerspectiveCamera,
   Plane,
   Points,
@@ -36,7 +39,7 @@ import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeome
 import { LIGHT, toLinear, vertexColors } from "./color";
 import { type Edge, edgesOf, segments, silhouette, strokes } from "./geometry";
 import type { DecodedPicture, Layer, MeshLayer, Paint, Picture, Section } from "./layers";
-import { type View, eyeOf, fovOf } from "./view";
+import { type View, axesOf, eyeOf, focal, fovOf } from "./view";
 
 /** A higher pixel ratio costs time without a visible difference. */
 const MOST_DENSITY = 2.5;
@@ -60,6 +63,9 @@ export class Viewer {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera();
+  private readonly parallel = new OrthographicCamera();
+  /** Holds the lights, which turn with the view. */
+  private readonly lights = new Group();
   private readonly shown = new Map<string, Shown>();
   private readonly plane = new Plane();
   private readonly sizeObserver = new ResizeObserver(() => this.resize());
@@ -69,6 +75,7 @@ export class Viewer {
   private section: Section | undefined;
   private picture: Picture = { layers: [] };
   private view: View | undefined;
+  private shift: readonly [number, number] = [0, 0];
   private frame = 0;
   private isDisposed = false;
 
@@ -82,10 +89,8 @@ export class Viewer {
     // three.js divides by π as in Lambert's law, but the intensity in LIGHT is a share.
     const sun = new DirectionalLight(0xffffff, LIGHT.sun * Math.PI);
     sun.position.set(...LIGHT.from);
-    // Light and target are the camera's children, so the light turns with the view.
-    this.camera.add(sun, sun.target);
-    this.camera.up.set(0, 0, 1);
-    this.scene.add(this.camera, new AmbientLight(0xffffff, LIGHT.ambient * Math.PI));
+    this.lights.add(sun, sun.target);
+    this.scene.add(this.lights, new AmbientLight(0xffffff, LIGHT.ambient * Math.PI));
     this.canvas.addEventListener("webglcontextlost", this.onLost);
     this.canvas.addEventListener("webglcontextrestored", this.onRestored);
     this.dark.addEventListener("change", this.restyle);
@@ -96,6 +101,8 @@ export class Viewer {
 
   /** Shows these layers and no others. */
   draw(picture: Picture): void {
+    // A plane that moves is the same object for the materials; one that comes or goes changes which triangles are drawn.
+    const isCutAnew = picture.section?.paint !== this.section?.paint;
     this.picture = picture;
     this.section = picture.section;
     this.renderer.localClippingEnabled = this.section !== undefined;
@@ -105,15 +112,17 @@ export class Viewer {
     for (const [id, shown] of this.shown) {
       const layer = layersById.get(id);
       // If only the arrays differ, as during a drag, the materials are kept: creating them takes milliseconds.
-      if (!layer || this.section || !isSame(layer, shown.layer, true)) this.remove(id, shown);
+      if (!layer || isCutAnew || !isSame(layer, shown.layer, true)) this.remove(id, shown);
       else if (!isSame(layer, shown.layer, false)) this.reshape(shown, layer);
     }
     for (const layer of picture.layers) if (!this.shown.has(layer.id)) this.add(layer);
     this.request();
   }
 
-  look(view: View): void {
+  /** Shows the picture from a view, with its target `shift` pixels to the right of the middle and below it. */
+  look(view: View, shift: readonly [number, number] = [0, 0]): void {
     this.view = view;
+    this.shift = shift;
     this.request();
   }
 
@@ -163,9 +172,6 @@ export class Viewer {
     if (!width || !height) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, MOST_DENSITY));
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.fov = fovOf({ width, height });
-    this.camera.updateProjectionMatrix();
     // Immediately: resizing clears the canvas, which would flicker.
     if (this.view) this.now();
   }
@@ -181,15 +187,46 @@ export class Viewer {
   private render(): void {
     if (!this.view || this.isDisposed) return;
     const { view } = this;
-    this.camera.position.set(...eyeOf(view));
-    this.camera.lookAt(...view.target);
-    // Relative to the distance, so that depth is as fine for tiny as for huge shapes.
-    this.camera.near = view.distance / 50;
-    this.camera.far = view.distance * 20;
-    this.camera.updateProjectionMatrix();
     for (const shown of this.shown.values()) this.outline(shown, view);
-    this.renderer.render(this.scene, this.camera);
+    this.renderer.render(this.scene, this.cameraOf(view));
     this.frames += 1;
+  }
+
+  private cameraOf(view: View): PerspectiveCamera | OrthographicCamera {
+    const { clientWidth: width, clientHeight: height } = this.root;
+    const size = { width, height };
+    const eye = new Vector3(...eyeOf(view));
+    const axes = axesOf(view).map((axis) => new Vector3(...axis)) as [Vector3, Vector3, Vector3];
+    const camera = view.isParallel ? this.parallel : this.camera;
+    camera.position.copy(eye);
+    camera.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(...axes));
+    this.lights.position.copy(eye);
+    this.lights.quaternion.copy(camera.quaternion);
+    // As far as the farthest layer: from very near, the shape behind the target is many distances away.
+    const far = Math.max(20 * view.distance, this.reach(eye));
+    if (camera instanceof OrthographicCamera) {
+      const scale = view.distance / focal(size) / 2;
+      Object.assign(camera, { left: -width * scale, right: width * scale, top: height * scale, bottom: -height * scale, near: -far, far });
+    } else {
+      // Relative to the distance, so that depth is as fine for tiny as for huge shapes.
+      Object.assign(camera, { aspect: width / height, fov: fovOf(size), near: view.distance / 50, far });
+    }
+    camera.setViewOffset(width, height, -this.shift[0], -this.shift[1], width, height);
+    camera.updateProjectionMatrix();
+    return camera;
+  }
+
+  /** The distance from the eye to the farthest point of a mesh. */
+  private reach(eye: Vector3): number {
+    let reach = 0;
+    for (const { layer, objects } of this.shown.values()) {
+      if (layer.kind !== "mesh") continue;
+      const { geometry } = objects[0] as Mesh;
+      if (!geometry.boundingSphere) geometry.computeBoundingSphere();
+      const { center, radius } = geometry.boundingSphere!;
+      reach = Math.max(reach, center.distanceTo(eye) + radius);
+    }
+    return reach;
   }
 
   private outline({ layer, objects, edges }: Shown, view: View): void {
@@ -268,17 +305,17 @@ export class Viewer {
   private meshes(layer: MeshLayer): Object3D[] {
     const geometry = this.geometry(layer);
     const hasColors = geometry.hasAttribute("color");
-    const front = layer.sides === "front" || layer.back !== undefined || this.section !== undefined ? FrontSide : DoubleSide;
+    const front = layer.sides === "front" || layer.back !== undefined || (this.section && !layer.isWhole) ? FrontSide : DoubleSide;
     const material = (paint: Paint) => this.material(layer, paint, front, hasColors);
     // A geometry with groups has one material per group.
     const isTextured = layer.pictures !== undefined && geometry.groups.length > 0;
     const materials = isTextured ? layer.pictures!.of.map((picture) => this.textured(material(layer.paint), picture)) : material(layer.paint);
     const objects = [new Mesh(geometry, materials)];
-    if (this.section) {
+    if (this.section && !layer.isWhole) {
       // The inside of a closed mesh, unlit in one tone, looks like a solid cut.
       const inside = new MeshBasicMaterial({ color: this.color(this.section.paint), side: BackSide });
       // With groups it would need a material for each.
-      objects.push(new Mesh(ungrouped(geometry), this.clipped(inside)));
+      objects.push(new Mesh(ungrouped(geometry), this.clipped(inside, layer)));
     } else if (layer.back !== undefined && layer.sides === "both") {
       objects.push(new Mesh(ungrouped(geometry), this.material(layer, layer.back, BackSide, false)));
     }
@@ -308,7 +345,7 @@ export class Viewer {
             shininess: 40,
             specular: new Color(layer.shading === "flat" ? 0 : 0x222222),
           });
-    return this.clipped(material);
+    return this.clipped(material, layer);
   }
 
   private textured(material: Material, picture: DecodedPicture | undefined): Material {
@@ -323,8 +360,8 @@ export class Viewer {
     return Object.assign(material, { map });
   }
 
-  private clipped<M extends Material>(material: M): M {
-    if (this.section) material.clippingPlanes = [this.plane];
+  private clipped<M extends Material>(material: M, layer: Layer): M {
+    if (this.section && !layer.isWhole) material.clippingPlanes = [this.plane];
     return material;
   }
 
@@ -335,7 +372,7 @@ export class Viewer {
     // the triangles were moved back instead, those behind them would show along the outline.
     Object.assign(material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -12 });
     material.color = this.color(paint);
-    return new LineSegments2(this.geometry(layer) as LineSegmentsGeometry, this.clipped(material));
+    return new LineSegments2(this.geometry(layer) as LineSegmentsGeometry, this.clipped(material, layer));
   }
 
   private points(layer: Layer & { kind: "points" }): Points {
@@ -358,7 +395,7 @@ export class Viewer {
         "#include <clipping_planes_fragment>\nif (length(gl_PointCoord - 0.5) > 0.5) discard;",
       );
     };
-    return new Points(this.geometry(layer), this.clipped(material));
+    return new Points(this.geometry(layer), this.clipped(material, layer));
   }
 
   /** A colour, or the value of a custom property. */

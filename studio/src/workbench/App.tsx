@@ -1,18 +1,25 @@
-// The workbench page: the inputs at the left, the picture in the middle, certificate and findings at the right.
-import { useEffect, useState } from "preact/hooks";
+// The workbench page: the picture over the whole window, panels that slide over it, and a line that always says what is proved.
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { Mark, jump } from "../exhibits/Frame";
 import { TAGS } from "../exhibits/say";
+import type { Vec3 } from "../viewer";
 import { Themes } from "../view/Themes";
 import { Certificate } from "./Certificate";
 import type { Controller } from "./controller";
-import { NO_SCREEN, meshLine, shell, stem } from "./document";
+import { NO_SCREEN, isScript, isVolume, meshLine, shell, stem } from "./document";
 import { Exports } from "./Exports";
 import { Findings } from "./Findings";
 import { Inputs } from "./Inputs";
+import { Panel, PanelButtons } from "./layout/Panel";
+import { Messages, Status } from "./layout/Status";
+import { type PanelName, isPhone, useLayout, within } from "./layout/layout";
+import { LAYOUT_TEXTS } from "./layout/texts";
 import { Levels } from "./Levels";
 import type { State } from "./state";
 import { Steps } from "./Steps";
-import { Stage } from "./Stage";
+import { Beside, type Covered, Stage } from "./Stage";
+import { gridStep } from "./stage/ground";
+import { unitOf } from "./stage/unit";
 import { type Language, TEXTS } from "./texts";
 import { useWords } from "./words";
 
@@ -23,12 +30,18 @@ export interface Props {
   control: Controller | null;
 }
 
+/** The heights of the bars above and below the picture, in pixels, as in the style sheet. */
+const BARS = { top: 44, status: 34, tabs: 52 };
+
 export function App({ language, state, control }: Props) {
   const words = TEXTS[language];
+  const texts = LAYOUT_TEXTS[language];
   const say = useWords(language);
-  const [marked, setMarked] = useState<readonly (readonly [number, number, number])[]>([]);
+  const layout = useLayout(control !== null);
+  const [marked, setMarked] = useState<readonly Vec3[]>([]);
   const [isOver, setOver] = useState(false);
-  useEffect(() => setMarked([]), [state.bench]);
+  const { bench, inspection, shown, view } = state;
+  useEffect(() => setMarked([]), [bench]);
   useEffect(() => {
     if (!control) return;
     const key = (event: KeyboardEvent) => {
@@ -42,9 +55,39 @@ export function App({ language, state, control }: Props) {
     return () => removeEventListener("keydown", key);
   }, [control]);
   const page = { words, say, state, control, language };
+
+  const findings = isScript(bench) || isVolume(bench) ? null : (inspection?.findings ?? null);
+  // Whoever opens a file with defects wants to see them; on a phone their number on the button has to do.
+  useEffect(() => {
+    if (findings?.length && !layout.layout.right && !isPhone()) layout.toggle("findings");
+  }, [findings]);
+  const names: readonly PanelName[] = ["input", "certificate", ...(findings ? (["findings"] as const) : []), "beside", "change", "export"];
+  const isOpen = (name: PanelName) => names.includes(name) && layout.isOpen(name);
+  const isRightOpen = names.some((name) => name !== "input" && isOpen(name));
+  useEffect(() => control?.showBeside(isOpen("beside")), [control, isOpen("beside")]);
+  const { left, rightWidth, sheet, isLeftOpen } = layout.layout;
+  const sizes = control
+    ? { left: within("left", left), right: within("rightWidth", rightWidth), sheet: within("sheet", sheet) }
+    : { left: 0, right: 0, sheet: 0 };
+  // Through the object model: the page's policy blocks style attributes.
+  useEffect(() => {
+    const { style } = document.documentElement;
+    style.setProperty("--left", `${sizes.left}px`);
+    style.setProperty("--right", `${sizes.right}px`);
+    style.setProperty("--sheet", `${sizes.sheet}px`);
+  }, [sizes.left, sizes.right, sizes.sheet]);
+  const covered: Covered = !control
+    ? { left: 0, right: 0, top: 0, bottom: 0 }
+    : isPhone()
+      ? { left: 0, right: 0, top: BARS.top, bottom: BARS.status + BARS.tabs + (isLeftOpen || isRightOpen ? sizes.sheet : 0) }
+      : { left: isLeftOpen ? sizes.left : 0, right: isRightOpen ? sizes.right : 0, top: BARS.top, bottom: BARS.status };
+
+  const step = gridStep(view.distance);
+  const unit = unitOf(shown?.certificate.frame.metres_per_unit ?? null);
+  const extra = useMemo(() => [], []);
   return (
     <div
-      class={`page workbench${isOver ? " over" : ""}`}
+      class={`bench${isOver ? " over" : ""}${isLeftOpen ? " left-open" : ""}${isRightOpen ? " right-open" : ""}`}
       onDragOver={(event) => {
         event.preventDefault();
         setOver(true);
@@ -64,9 +107,19 @@ export function App({ language, state, control }: Props) {
           <Mark />
           {words.home}
         </a>
+        <h1>{words.title}</h1>
         <nav class="onward-links">
           <a href={language === "zh" ? "exhibits.zh.html" : "exhibits.html"}>{words.exhibits}</a>
         </nav>
+        <details class="about">
+          <summary>{texts.help}</summary>
+          <div class="card">
+            <p class="lead">{words.lead}</p>
+            <p class="with-pointer">{texts.hint}</p>
+            <p class="with-finger">{texts.hintTouch}</p>
+            <p>{words.footer}</p>
+          </div>
+        </details>
         <Themes language={language} />
         <nav class="language">
           {(["en", "zh"] as const).map((other) => (
@@ -82,43 +135,40 @@ export function App({ language, state, control }: Props) {
           ))}
         </nav>
       </header>
+      <PanelButtons names={names} language={language} control={layout} counts={findings?.length ? { findings: say.whole(findings.length) } : {}} />
       <main>
-        <div class="masthead">
-          <h1>{words.title}</h1>
-          <p class="lead">{words.lead}</p>
-        </div>
         {!control && (
           <noscript>
             <p class="note">
-              {words.noScript} <code lang="en">{shell([meshLine(state.bench, NO_SCREEN, `${stem(state.bench.name)}.glb`)])}</code>
+              {words.noScript} <code lang="en">{shell([meshLine(bench, NO_SCREEN, `${stem(bench.name)}.glb`)])}</code>
             </p>
           </noscript>
         )}
-        <div class="notes">
-          {state.notice && (
-            <p class="note" role="alert">
-              {words.notices[state.notice]}{" "}
-              <button type="button" onClick={() => control?.dismiss()}>
-                {words.dismiss}
-              </button>
-            </p>
-          )}
-        </div>
-        <div class="places">
+        <Stage page={page} marked={marked} layout={layout} covered={covered} step={step} unit={unit} extra={extra} tapped={() => undefined} />
+        <Panel name="input" language={language} control={layout}>
           <Inputs page={page} />
-          <Stage page={page} marked={marked} />
-          <div class="known">
-            <Certificate page={page} mark={setMarked} />
+        </Panel>
+        <Panel name="certificate" language={language} control={layout}>
+          <Certificate page={page} mark={setMarked} />
+        </Panel>
+        {findings && (
+          <Panel name="findings" language={language} control={layout}>
             <Findings page={page} mark={setMarked} />
-            <Levels page={page} />
-            <Steps page={page} />
-          </div>
-        </div>
-        <Exports page={page} />
+          </Panel>
+        )}
+        <Panel name="beside" language={language} control={layout}>
+          <Beside page={page} />
+        </Panel>
+        <Panel name="change" language={language} control={layout}>
+          <Levels page={page} />
+          <Steps page={page} />
+        </Panel>
+        <Panel name="export" language={language} control={layout}>
+          <Exports page={page} />
+        </Panel>
+        <Messages page={page} />
       </main>
-      <footer>
-        <p>{words.footer}</p>
-      </footer>
+      <Status page={page} control={layout} square={layout.layout.hasGrid && shown ? say.number(step) : ""} unit={unit} />
     </div>
   );
 }

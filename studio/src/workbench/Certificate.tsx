@@ -11,23 +11,16 @@ import type { Page } from "./words";
 
 export function Certificate({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
   const { words, say, state, control } = page;
-  const { shown, fault } = state;
+  const { shown } = state;
   const bound = shown?.certificate.bound;
   const { output, valid } = shown?.certificate ?? {};
-  const isWorking = state.running.includes("proof") || state.running.includes("draft");
   return (
-    <section class="panel certificate">
-      <h2>{words.certificate}</h2>
-      {fault && (
-        <p class="fault" role="alert">
-          <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <span lang="en">{fault.text}</span>
-        </p>
-      )}
+    <div class="certificate">
       {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
       {shown?.isShort && !shown.isDraft && <p class="aside">{words.short}</p>}
       {bound && shown && (
         <>
-          <p class={`big ${shown.isDraft ? "draft" : shown.bench === state.bench ? bound.evidence : "old"}`} aria-live="polite">
+          <p class={`big ${shown.isDraft ? "draft" : shown.bench === state.bench ? bound.evidence : "old"}`}>
             <Figure name="bound" value={bound.at_most ?? bound.at_least}>
               {sizeOf(page, bound)}
             </Figure>
@@ -44,7 +37,6 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
           {shown.isDraft && <p class="aside">{state.ended === state.bench ? words.draftOnly : words.draft}</p>}
         </>
       )}
-      {isWorking && <Working page={page} lanes={["proof", "draft"]} />}
       {shown && (
         <dl class="facts">
           <div>
@@ -91,14 +83,14 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
           {words.worst}
         </button>
       )}
-    </section>
+    </div>
   );
 }
 
 /** Whether the bound says anything: the estimate of a draft does not, and neither does "0 or more". */
-const isKnown = ({ evidence, at_least, at_most }: BoundFacts): boolean => evidence !== "estimated" && (at_most !== null || at_least > 0);
+export const isKnown = ({ evidence, at_least, at_most }: BoundFacts): boolean => evidence !== "estimated" && (at_most !== null || at_least > 0);
 
-function sizeOf({ words, say }: Page, bound: BoundFacts): string {
+export function sizeOf({ words, say }: Page, bound: BoundFacts): string {
   if (!isKnown(bound)) return words.unknown;
   return bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most));
 }
@@ -110,7 +102,7 @@ const numberOf = ({ semantic, name }: AttributeFacts): string =>
 const errorOf = ({ words, say }: Page, { largest, unit }: AttributeFacts): string =>
   largest === null ? words.noNumber : unit === "degrees" ? say.degrees(largest) : say.number(largest);
 
-function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
+export function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
   return { proved: words.proved, "proved-if": words.provedIf, measured: words.measured, estimated: words.estimated }[evidence];
 }
 

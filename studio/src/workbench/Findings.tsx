@@ -14,8 +14,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
   const cure = (options: readonly string[]) => void control?.step("mend", options, `${stem(bench.name)}-mended.${endingOf(bench.name)}`);
   const curable = findings.some(({ cures }) => cures.length > 0);
   return (
-    <section class="panel findings">
-      <h2>{words.findings}</h2>
+    <div class="findings">
       {findings.length === 0 && <p class="good">{words.sound}</p>}
       <ul>
         {findings.map((finding) => {
@@ -62,7 +61,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
         </button>
       )}
       <Working page={page} lanes={["step"]} />
-    </section>
+    </div>
   );
 }
 

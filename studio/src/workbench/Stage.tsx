@@ -1,112 +1,322 @@
-// The pictures: the mesh in 3D, and beside it the field, the deviation of the mesh, or its shading cost.
+// The picture: the mesh in 3D over the whole window, its ground and sizes, what is measured on it and where it is cut. Beside it,
+// in a panel: the field, the deviation of the mesh, or its shading cost.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { Grip } from "../exhibits/Grip";
 import { PAINT } from "../exhibits/paint";
-import { Scene } from "../exhibits/Scene";
+import { type Pull, Scene } from "../exhibits/Scene";
 import { Choice, Slider } from "../view/parts";
-import type { Layer, Picture, Section, Vec3 } from "../viewer";
+import { type Layer, type Picture, type Projector, type Size, type Vec3, projector } from "../viewer";
+import { axesOf, minus, plus, unit as unitOf } from "../viewer/view";
 import { Working } from "./Certificate";
 import { hasField, isScript } from "./document";
-import { besideOf, besides } from "./pictures";
 import { type Part, boxOf } from "./glb";
+import type { LayoutControl } from "./layout/layout";
+import { LAYOUT_TEXTS } from "./layout/texts";
 import { levelAt } from "./Levels";
-import { isOutdated } from "./outdated";
+import { MeasureCard, MeasureMarks } from "./measure/Measures";
+import { hit } from "./measure/solid";
+import { MEASURE_TEXTS } from "./measure/texts";
+import { TOOLS, type Tool, useMeasures } from "./measure/useMeasures";
+import { useSolid } from "./measure/useSolid";
+import { besideOf, besides } from "./pictures";
+import type { Box } from "./pixels";
 import { drawSlice } from "./slice";
+import { GridLabels, Sizes, Triad, groundLayers } from "./stage/ground";
+import { type Hands, SIDES, SIDE_NAMES, fitted, orbit } from "./stage/orbit";
+import { ALIGNED, type Cut, FIRST, flipped, isKept, normalOf, planeOf } from "./stage/section";
 import type { Page } from "./words";
 
 type Look = "shaded" | "wire" | "normals" | "culled";
 const LOOKS: readonly Look[] = ["shaded", "wire", "normals", "culled"];
 /** Longer lists of normals hide the surface. */
 const MOST_NORMALS = 4000;
+/** Where the first picture's axes are drawn, from the lower left of the part that no panel covers. */
+const TRIAD = 46;
+/** Degrees for a step of the key that turns the section. */
+const TURN = 5;
+/** The handle that turns the section is this share of the box's diagonal away from the plane. */
+const ARM = 0.3;
 
-export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] }) {
-  const { words, state, control } = page;
-  const { shown, levels, view, home, bench } = state;
+/** The part of the window that no panel and no bar covers, in pixels from each side. */
+export interface Covered {
+  left: number;
+  right: number;
+  top: number;
+  bottom: number;
+}
+
+interface StageProps {
+  page: Page;
+  marked: readonly Vec3[];
+  layout: LayoutControl;
+  covered: Covered;
+  /** The side of a square of the grid, and the symbol of the unit. */
+  step: number;
+  unit: string;
+  /** Layers over the mesh, such as the faces of a line of the script. */
+  extra: readonly Layer[];
+  /** A face was pressed while nothing is measured. */
+  tapped(at: Projector, x: number, y: number): void;
+}
+
+export function Stage({ page, marked, layout, covered, step, unit, extra, tapped }: StageProps) {
+  const { words, state, control, language } = page;
+  const { shown, levels, view, home } = state;
+  const texts = LAYOUT_TEXTS[language];
+  const measuring = MEASURE_TEXTS[language];
+  const { hasGrid, hasSizes } = layout.layout;
   const [look, setLook] = useState<Look>("shaded");
-  const [pane, setPane] = useState<"mesh" | "field" | "both">("both");
-  /** Position of the section, from 0 at the front to 1 at the back; `null` without a section. */
-  const [cut, setCut] = useState<number | null>(null);
+  const [cut, setCut] = useState<Cut | null>(null);
+  const [size, setSize] = useState<Size>({ width: 720, height: 480 });
   const level = levelAt(page);
-  const parts = level === null ? (shown?.parts ?? []) : (levels!.parts[level] ?? []);
-  const section = useMemo(() => sectionOf(parts, cut), [parts, cut]);
+  const parts = level === null ? (shown?.parts ?? NOTHING) : (levels!.parts[level] ?? NOTHING);
+  const box = useMemo(() => boxOf(parts), [parts]);
+  const plane = useMemo(() => (cut && box ? planeOf(cut, box) : undefined), [cut, box]);
+  const solid = useSolid(parts);
+  const isShown = (at: Vec3) => isKept(plane?.section, at);
+  const measures = useMeasures(solid, parts, isShown, shown?.certificate.bound?.at_most ?? 0);
   const picture = useMemo<Picture>(
-    () => ({ layers: layersOf(parts, look, marked, home.distance), ...(section ? { section } : {}) }),
-    [parts, look, marked, home, section],
+    () => ({
+      layers: [
+        ...layersOf(parts, look, marked, home.distance),
+        ...(hasGrid && box ? groundLayers(box, step) : []),
+        ...(plane && box ? [outlineOf(plane.at, normalOf(cut!), box)] : []),
+        ...extra,
+      ],
+      ...(plane ? { section: plane.section } : {}),
+    }),
+    [parts, look, marked, home, hasGrid, box, step, plane, extra],
   );
-  const isTwo = pane === "both";
+  const shift = useMemo(
+    () => [(covered.left - covered.right) / 2, (covered.top - covered.bottom) / 2] as const,
+    [covered.left, covered.right, covered.top, covered.bottom],
+  );
+  const centre = [size.width / 2 + shift[0], size.height / 2 + shift[1]] as const;
+  const toggleParallel = () => control?.look({ ...control.state.view, isParallel: !control.state.view.isParallel });
+
+  const hands = useRef<Hands>(null!);
+  const at = () => projector(control!.state.view, { ...size, shift });
+  hands.current = {
+    under: (x, y) => {
+      if (!solid.current) return undefined;
+      const from = at();
+      return hit(solid.current, from.origin(x, y), from.ray(x, y), 0, isShown)?.at;
+    },
+    hover: (x, y) => measures.hover(at(), x, y),
+    key: ({ key }) => {
+      const pressed = key.toLowerCase();
+      if (pressed === "p") toggleParallel();
+      else if (pressed === "g") layout.change({ hasGrid: !hasGrid });
+      else if (pressed === "d") layout.change({ hasSizes: !hasSizes });
+      else if (pressed === "c") setCut(cut ? null : FIRST);
+      else if (pressed === "f") control?.look(fitted(control.state.view, home));
+      else if (pressed === "m") measures.choose(measures.tool ? TOOLS[TOOLS.indexOf(measures.tool) + 1] ?? null : "distance");
+      else if (key === "Enter" && measures.tool) measures.press(at(), ...centre);
+      else if (key !== "Escape" || !measures.clear()) return false;
+      return true;
+    },
+  };
+  // Escape clears wherever the focus is, except in a text.
+  useEffect(() => {
+    const escape = (event: KeyboardEvent) => {
+      const isText = event.target instanceof Element && event.target.closest("input[type=text], textarea, .script-editor");
+      if (event.key === "Escape" && !isText && !event.defaultPrevented) hands.current.key(event);
+    };
+    addEventListener("keydown", escape);
+    return () => removeEventListener("keydown", escape);
+  }, []);
+
+  const pulls: Pull[] =
+    cut && plane
+      ? [
+          {
+            name: words.cutAt,
+            spoken: page.say.percent(cut.share),
+            value: cut.share,
+            low: 0,
+            high: 1,
+            step: 0.01,
+            at: plane.at,
+            along: plus(plane.at, minus(plane.high, plane.low)),
+            move: (change) => setCut((old) => old && { ...old, share: change(old.share) }),
+          },
+        ]
+      : [];
   return (
-    <section class="stage-column" id="figure" tabindex={-1}>
-      <div class="row tight">
-        <Choice
-          name="pane"
-          legend={words.panes}
-          value={pane}
-          options={(["mesh", "field", "both"] as const).map((value) => ({ value, label: words[value] }))}
-          choose={(next) => setPane(next)}
-        />
-        <Choice
-          name="look"
-          legend={words.show}
-          value={look}
-          options={LOOKS.map((value) => ({ value, label: words.shows[value] }))}
-          choose={(next) => setLook(next)}
-        />
-      </div>
-      <div class={`panes${isTwo ? " two" : ""}`}>
-        {pane !== "field" && (
-          <figure class="pane">
-            <Scene
-              name={words.mesh}
-              help="turn-hint"
-              picture={picture}
-              view={view}
-              home={home}
-              look={(next) => control?.look(next)}
-              isStill={!control}
-            />
-            <Measure page={page} />
-            <label class="cut">
-              <input type="checkbox" checked={cut !== null} onChange={(event) => setCut(event.currentTarget.checked ? 0.5 : null)} />
-              {words.section}
-            </label>
-            {cut !== null && (
-              <Slider
-                id="cut"
-                label={words.cutAt}
-                shown={page.say.percent(cut)}
-                spoken={page.say.percent(cut)}
-                low={0}
-                high={1}
-                step={0.01}
-                value={cut}
-                choose={setCut}
-              />
-            )}
-          </figure>
+    <section class="stage-column" id="figure" tabindex={-1} aria-label={words.mesh}>
+      <Scene
+        name={words.mesh}
+        help="turn-hint"
+        picture={picture}
+        view={view}
+        home={home}
+        look={(next) => control?.look(next)}
+        isStill={!control}
+        shift={shift}
+        steer={(element, camera) =>
+          orbit(element, camera, {
+            under: (x, y) => hands.current.under(x, y),
+            hover: (x, y) => hands.current.hover(x, y),
+            key: (event) => hands.current.key(event),
+          })
+        }
+        tap={(at, x, y) => (measures.tool ? measures.press(at, x, y) : tapped(at, x, y))}
+        pulls={pulls}
+        over={(at) => (
+          <>
+            {hasGrid && box && <GridLabels page={page} at={at} box={box} step={step} />}
+            {hasSizes && box && <Sizes page={page} at={at} box={box} unit={unit} />}
+            {control && <Triad view={view} x={covered.left + TRIAD} y={size.height - covered.bottom - TRIAD} />}
+            <MeasureMarks page={page} at={at} measures={measures} unit={unit} centre={centre} />
+            {cut && plane && box && <Turner page={page} cut={cut} at={at} from={plane.at} box={box} set={setCut} />}
+          </>
         )}
-        {pane !== "mesh" && (
-          <figure class="pane field-pane">
-            <Beside page={page} />
-            <Choice
-              name="beside"
-              legend={words.beside}
-              value={besideOf(bench, state.beside)}
-              options={besides(bench).map((value) => ({ value, label: words.besides[value] }))}
-              choose={(next) => control?.besides(next)}
+      />
+      <Measure page={page} setSize={setSize} />
+      <div class="over-picture">
+        <div class="tools" role="toolbar" aria-label={texts.tools}>
+          <select aria-label={texts.look} value={look} onChange={(event) => setLook(event.currentTarget.value as Look)}>
+            {LOOKS.map((value) => (
+              <option key={value} value={value}>
+                {words.shows[value]}
+              </option>
+            ))}
+          </select>
+          <select
+            aria-label={texts.from}
+            value=""
+            onChange={(event) => {
+              const { value } = event.currentTarget;
+              const side = SIDE_NAMES.find((name) => name === value);
+              control?.look({ ...fitted(view, home), ...(side ? SIDES[side] : {}) });
+              event.currentTarget.value = "";
+            }}
+          >
+            <option value="" hidden>
+              {texts.from}
+            </option>
+            {(["fit", ...SIDE_NAMES] as const).map((value) => (
+              <option key={value} value={value}>
+                {texts.sides[value]}
+              </option>
+            ))}
+          </select>
+          <Switch label={texts.parallel} isOn={Boolean(view.isParallel)} set={toggleParallel} />
+          <Switch label={texts.grid} isOn={hasGrid} set={() => layout.change({ hasGrid: !hasGrid })} />
+          <Switch label={texts.sizes} isOn={hasSizes} set={() => layout.change({ hasSizes: !hasSizes })} />
+          <Switch label={words.section} isOn={cut !== null} set={() => setCut(cut ? null : FIRST)} />
+          <select
+            aria-label={measuring.measure}
+            class={measures.tool ? "on" : ""}
+            value={measures.tool ?? ""}
+            onChange={(event) => measures.choose((event.currentTarget.value || null) as Tool | null)}
+          >
+            <option value="">{measures.tool ? measuring.tools.none : `${measuring.measure}…`}</option>
+            {TOOLS.map((value) => (
+              <option key={value} value={value}>
+                {measuring.tools[value]}
+              </option>
+            ))}
+          </select>
+        </div>
+        {cut && (
+          <div class="card section-card">
+            <Slider
+              id="cut"
+              label={words.cutAt}
+              shown={page.say.percent(cut.share)}
+              spoken={page.say.percent(cut.share)}
+              low={0}
+              high={1}
+              step={0.01}
+              value={cut.share}
+              choose={(share) => setCut({ ...cut, share })}
             />
-          </figure>
+            <div class="row tight">
+              {(["x", "y", "z"] as const).map((axis) => (
+                <button
+                  type="button"
+                  key={axis}
+                  aria-pressed={cut.azimuth === ALIGNED[axis].azimuth && cut.elevation === ALIGNED[axis].elevation}
+                  onClick={() => setCut({ ...cut, ...ALIGNED[axis] })}
+                >
+                  {measuring.align} {axis}
+                </button>
+              ))}
+              <button type="button" onClick={() => setCut(flipped(cut))}>
+                {measuring.flip}
+              </button>
+            </div>
+          </div>
         )}
+        <MeasureCard page={page} measures={measures} unit={unit} isReady={solid.isReady} />
       </div>
-      {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
-      <p class="aside hint" id="turn-hint">
-        {words.turnHint}
+      <p class="spoken" id="turn-hint">
+        {texts.hint}
       </p>
-      {!isScript(bench) && !hasField(bench) && pane !== "mesh" && besideOf(bench, state.beside) === "sliced" && <p class="aside">{words.noField}</p>}
     </section>
   );
 }
 
+/** The same list each time, so that nothing is drawn anew. */
+const NOTHING: readonly Part[] = [];
+
+function Switch({ label, isOn, set }: { label: string; isOn: boolean; set(): void }) {
+  return (
+    <label class="switch">
+      <input type="checkbox" checked={isOn} onChange={set} />
+      <span>{label}</span>
+    </label>
+  );
+}
+
+/** The handle that turns the section. */
+function Turner({ page, cut, at, from, box, set }: { page: Page; cut: Cut; at: Projector; from: Vec3; box: Box; set(cut: Cut): void }) {
+  const texts = MEASURE_TEXTS[page.language];
+  const arm = ARM * Math.hypot(...minus(box[1], box[0]));
+  const normal = normalOf(cut);
+  const tip = plus(from, normal, arm);
+  const [[x0, y0], [x, y, depth]] = [at.to(from), at.to(tip)];
+  const turned = (azimuth: number, elevation: number) =>
+    set({ ...cut, azimuth: ((azimuth + 540) % 360) - 180, elevation: Math.min(Math.max(elevation, -90), 90) });
+  return (
+    <>
+      <path class="arm" d={`M${x0.toFixed(1)} ${y0.toFixed(1)}L${x.toFixed(1)} ${y.toFixed(1)}`} />
+      <Grip
+        name={texts.cutTurn}
+        spoken={texts.cutTurned(page.say.degrees(cut.azimuth), page.say.degrees(cut.elevation))}
+        now={Math.round(cut.azimuth)}
+        low={-180}
+        high={180}
+        at={[x, y]}
+        isStill={!page.control}
+        grab={() => {
+          const [right, up] = axesOf(page.state.view);
+          const scale = at.scale(depth);
+          return (dx, dy) => {
+            const [nx, ny, nz] = unitOf(plus(plus(minus(tip, from), right, dx / scale), up, -dy / scale));
+            turned((Math.atan2(ny, nx) * 180) / Math.PI, (Math.asin(nz) * 180) / Math.PI);
+          };
+        }}
+        step={(right, up) => Number.isFinite(right) && turned(cut.azimuth + TURN * right, cut.elevation + TURN * up)}
+      />
+    </>
+  );
+}
+
+/** A square in the section plane. */
+function outlineOf(at: Vec3, normal: Vec3, [low, high]: Box): Layer {
+  const half = 0.5 * Math.hypot(...minus(high, low));
+  const steep = Math.abs(normal[2]) > 0.9;
+  const u = unitOf(steep ? [normal[2], 0, -normal[0]] : [-normal[1], normal[0], 0]);
+  const v: Vec3 = [normal[1] * u[2] - normal[2] * u[1], normal[2] * u[0] - normal[0] * u[2], normal[0] * u[1] - normal[1] * u[0]];
+  const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => plus(plus(at, u, a! * half), v, b! * half));
+  const positions = Float32Array.from(corners.flatMap((corner, i) => [...corner, ...corners[(i + 1) % 4]!]));
+  return { kind: "lines", id: "section", positions, paint: PAINT.mark, width: 2, isWhole: true };
+}
+
 /** Reports the size of the picture to the controller, because pixel budgets depend on it. */
-function Measure({ page }: { page: Page }) {
+function Measure({ page, setSize }: { page: Page; setSize(size: Size): void }) {
   const mark = useRef<HTMLSpanElement>(null);
   const control = useRef(page.control);
   control.current = page.control;
@@ -114,7 +324,9 @@ function Measure({ page }: { page: Page }) {
     const scene = mark.current!.parentElement!.querySelector(".scene")!;
     const sizeObserver = new ResizeObserver(() => {
       const { clientWidth: width, clientHeight: height } = scene;
-      if (width && height) control.current?.resize({ width, height });
+      if (!width || !height) return;
+      setSize({ width, height });
+      control.current?.resize({ width, height });
     });
     sizeObserver.observe(scene);
     return () => sizeObserver.disconnect();
@@ -122,7 +334,8 @@ function Measure({ page }: { page: Page }) {
   return <span ref={mark} hidden />;
 }
 
-function Beside({ page }: { page: Page }) {
+/** The picture beside the mesh. */
+export function Beside({ page }: { page: Page }) {
   const { words, state, control } = page;
   const canvas = useRef<HTMLCanvasElement>(null);
   const [height, setHeight] = useState(0.5);
@@ -149,7 +362,14 @@ function Beside({ page }: { page: Page }) {
   }, [currentPicture, slice, isSliced, height]);
   const { bound, overshade } = currentPicture?.report.certificate ?? {};
   return (
-    <>
+    <figure class="field-pane">
+      <Choice
+        name="beside"
+        legend={words.beside}
+        value={kind}
+        options={besides(state.bench).map((value) => ({ value, label: words.besides[value] }))}
+        choose={(next) => control?.besides(next)}
+      />
       <canvas
         ref={canvas}
         class="field-picture"
@@ -187,17 +407,10 @@ function Beside({ page }: { page: Page }) {
           {words.overshadeSays(page.say.fixed(overshade.every.lanes / Math.max(overshade.covered_px, 1)), overshade.missed + overshade.micro, overshade.in_view)}
         </p>
       )}
+      {!isScript(state.bench) && !hasField(state.bench) && isSliced && <p class="aside">{words.noField}</p>}
       <Working page={page} lanes={isSliced ? ["slice"] : ["picture"]} />
-    </>
+    </figure>
   );
-}
-
-/** A section plane across y: the half nearer to the initial eye is cut away. */
-function sectionOf(parts: readonly Part[], cut: number | null): Section | undefined {
-  const box = cut === null ? undefined : boxOf(parts);
-  if (!box) return undefined;
-  const [low, high] = [box[0][1], box[1][1]];
-  return { normal: [0, -1, 0], offset: -(low + cut! * (high - low)), paint: PAINT.mark };
 }
 
 function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], distance: number): Layer[] {

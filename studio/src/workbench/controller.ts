@@ -495,6 +495,14 @@ export class Controller {
     if (!inspection) this.update({ fault: faultOf(outcome) });
   }
 
+  /** The picture beside the mesh is rendered only while it is seen. */
+  showBeside(isShown: boolean): void {
+    if (this.isBesideShown === isShown) return;
+    this.isBesideShown = isShown;
+    if (isShown) this.schedule("picture", () => void this.draw());
+  }
+  private isBesideShown = false;
+
   /** Chooses the picture beside the mesh. */
   besides(beside: Beside): void {
     this.update({ beside, picture: null });
@@ -507,7 +515,7 @@ export class Controller {
     const kind = besideOf(current, beside);
     // Only a traced picture is of the input itself. The others are of triangles, and those of a
     // draft are soon replaced by the proof's.
-    if (kind === "sliced" || !shown || (kind !== "traced" && shown.isDraft)) return;
+    if (!this.isBesideShown || kind === "sliced" || !shown || (kind !== "traced" && shown.isDraft)) return;
     // Overshading is counted per pixel of this screen, so its picture must not be smaller.
     const ratio = kind === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));
     const dots = { width: Math.round(size.width * ratio), height: Math.round(size.height * ratio) };

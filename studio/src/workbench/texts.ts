@@ -102,7 +102,6 @@ export interface Texts {
   noLink: string;
   notices: Record<Notice, string>;
   dismiss: string;
-  turnHint: string;
   footer: string;
   noScript: string;
   error: string;
@@ -219,7 +218,6 @@ export const TEXTS: Record<Language, Texts> = {
       trapped: "The run was out of memory or stack in this browser. A larger budget, or the command on your machine, may succeed.",
     },
     dismiss: "Dismiss",
-    turnHint: "Drag to turn, Shift-drag to shift; arrows turn, + and − zoom, Home goes back.",
     footer: "The command runs in this page, as WebAssembly. Nothing is sent anywhere.",
     noScript: "The workbench needs JavaScript and WebAssembly. On your machine the command does the same work:",
     error: "Error:",
@@ -331,7 +329,6 @@ export const TEXTS: Record<Language, Texts> = {
       trapped: "在浏览器中内存或栈耗尽。放宽预算，或在你的机器上运行命令，也许可行。",
     },
     dismiss: "关闭",
-    turnHint: "拖动旋转，按住 Shift 拖动平移；方向键旋转，+ 和 − 缩放，Home 复位。",
     footer: "命令以 WebAssembly 形式在本页运行，不发送任何内容。",
     noScript: "工作台需要 JavaScript 和 WebAssembly。在你的机器上，可以用命令完成同样的工作：",
     error: "错误：",

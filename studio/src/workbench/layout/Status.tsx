@@ -1,0 +1,62 @@
+// The line below the picture that always says what is known: the bound and how it is known, faults, what runs, and the scale.
+import { Working, evidenceOf, isKnown, sizeOf } from "../Certificate";
+import { isOutdated } from "../outdated";
+import type { Page } from "../words";
+import type { LayoutControl } from "./layout";
+import { LAYOUT_TEXTS } from "./texts";
+
+export function Status({ page, control, square, unit }: { page: Page; control: LayoutControl; square: string; unit: string }) {
+  const { words, say, state, language } = page;
+  const texts = LAYOUT_TEXTS[language];
+  const { shown } = state;
+  const bound = shown?.certificate.bound;
+  const triangles = shown?.certificate.output?.triangles;
+  const isOld = shown !== null && shown.bench !== state.bench;
+  const kind = !shown || !bound ? "" : shown.isDraft ? "draft" : isOld ? "old" : bound.evidence;
+  return (
+    <section class="status" aria-label={texts.status}>
+      <button type="button" class={`headline-of-proof ${kind}`} onClick={() => control.isOpen("certificate") || control.toggle("certificate")}>
+        <span aria-live="polite">
+          {!shown && (state.running.length > 0 || state.isWaiting ? words.waiting : texts.nothing)}
+          {shown && bound && (
+            <>
+              <b>{sizeOf(page, bound)}</b>
+              {isKnown(bound) && `, ${evidenceOf(page, bound)}`}
+            </>
+          )}
+          {shown && triangles !== undefined && `${bound ? ", " : ""}${texts.triangles(say.whole(triangles))}`}
+          {isOutdated(state) && ` · ${texts.older}`}
+        </span>
+      </button>
+      <Working page={page} lanes={["proof", "draft"]} />
+      <span class="scale">
+        {unit || texts.noUnit}
+        {square && ` · ${texts.square(square)}`}
+      </span>
+    </section>
+  );
+}
+
+/** The fault of the current input, and what its script printed, above the status line. */
+export function Messages({ page }: { page: Page }) {
+  const { words, state, control } = page;
+  const { fault, notice } = state;
+  return (
+    <div class="messages">
+      {fault && (
+        <p class="fault" role="alert">
+          <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <span lang="en">{fault.text}</span>
+        </p>
+      )}
+      {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
+      {notice && (
+        <p class="note" role="alert">
+          {words.notices[notice]}{" "}
+          <button type="button" onClick={() => control?.dismiss()}>
+            {words.dismiss}
+          </button>
+        </p>
+      )}
+    </div>
+  );
+}
