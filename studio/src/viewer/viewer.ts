@@ -370,7 +370,7 @@ export class Viewer {
     const material = new LineMaterial({ linewidth: width, depthTest: !isOnTop });
     // Edges lie on the triangles and must win the depth test. Wide lines are triangles, too, so the offset is on the lines: if
     // the triangles were moved back instead, those behind them would show along the outline.
-    Object.assign(material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -12 });
+    if (!layer.isWhole) Object.assign(material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -12 });
     material.color = this.color(paint);
     return new LineSegments2(this.geometry(layer) as LineSegmentsGeometry, this.clipped(material, layer));
   }

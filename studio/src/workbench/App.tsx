@@ -1,12 +1,13 @@
 // The workbench page: the picture over the whole window, panels that slide over it, and a line that always says what is proved.
 import { useEffect, useMemo, useState } from "preact/hooks";
+import { PAINT } from "../exhibits/paint";
 import { Mark, jump } from "../exhibits/Frame";
 import { TAGS } from "../exhibits/say";
 import type { Vec3 } from "../viewer";
 import { Themes } from "../view/Themes";
 import { Certificate } from "./Certificate";
 import type { Controller } from "./controller";
-import { NO_SCREEN, isScript, isVolume, meshLine, shell, stem } from "./document";
+import { NO_SCREEN, isScript, isVolume, meshLine, shell, stem, textOf } from "./document";
 import { Exports } from "./Exports";
 import { Findings } from "./Findings";
 import { Inputs } from "./Inputs";
@@ -21,6 +22,8 @@ import { Beside, type Covered, Stage } from "./Stage";
 import { gridStep } from "./stage/ground";
 import { unitOf } from "./stage/unit";
 import { type Language, TEXTS } from "./texts";
+import { facesOf, siteAt } from "./trace/faces";
+import type { CallSite } from "./trace/shadow";
 import { useWords } from "./words";
 
 export interface Props {
@@ -54,7 +57,25 @@ export function App({ language, state, control }: Props) {
     addEventListener("keydown", key);
     return () => removeEventListener("keydown", key);
   }, [control]);
-  const page = { words, say, state, control, language };
+  // Between the script and the picture: the calls whose faces are marked, and the call to show in the text.
+  const [chosen, setChosen] = useState<readonly CallSite[]>([]);
+  const [reveal, setReveal] = useState<CallSite | null>(null);
+  useEffect(() => setChosen([]), [bench]);
+  const moved = (place: number) => {
+    if (!control || !isScript(bench) || state.ended !== bench) return;
+    const line = textOf(bench).slice(0, place).split("\n").length;
+    void control.trace().then((trace) => trace?.bench === control.state.bench && setChosen(trace.sites.filter((site) => site.line === line)));
+  };
+  const tapped = (at: Vec3, normal: Vec3) => {
+    void control?.trace().then((trace) => {
+      const site = trace?.bench === control.state.bench ? siteAt(trace, at, normal) : undefined;
+      setChosen(site ? [site] : []);
+      if (!site) return;
+      if (!isPhone() && !layout.isOpen("input")) layout.toggle("input");
+      setReveal(site);
+    });
+  };
+  const page = { words, say, state, control, language, link: { reveal, moved } };
 
   const findings = isScript(bench) || isVolume(bench) ? null : (inspection?.findings ?? null);
   // Whoever opens a file with defects wants to see them; on a phone their number on the button has to do.
@@ -84,7 +105,7 @@ export function App({ language, state, control }: Props) {
 
   const step = gridStep(view.distance);
   const unit = unitOf(shown?.certificate.frame.metres_per_unit ?? null);
-  const extra = useMemo(() => [], []);
+  const extra = useMemo(() => (state.trace?.bench === bench && chosen.length ? facesOf(state.trace, chosen, PAINT.mark) : []), [state.trace, chosen]);
   return (
     <div
       class={`bench${isOver ? " over" : ""}${isLeftOpen ? " left-open" : ""}${isRightOpen ? " right-open" : ""}`}
@@ -117,6 +138,7 @@ export function App({ language, state, control }: Props) {
             <p class="lead">{words.lead}</p>
             <p class="with-pointer">{texts.hint}</p>
             <p class="with-finger">{texts.hintTouch}</p>
+            <p>{words.drop}</p>
             <p>{words.footer}</p>
           </div>
         </details>
@@ -144,7 +166,7 @@ export function App({ language, state, control }: Props) {
             </p>
           </noscript>
         )}
-        <Stage page={page} marked={marked} layout={layout} covered={covered} step={step} unit={unit} extra={extra} tapped={() => undefined} />
+        <Stage page={page} marked={marked} layout={layout} covered={covered} step={step} unit={unit} extra={extra} tapped={tapped} chosen={chosen} />
         <Panel name="input" language={language} control={layout}>
           <Inputs page={page} />
         </Panel>

@@ -3,6 +3,7 @@ import { useRef } from "preact/hooks";
 import { Choice, Slider } from "../view/parts";
 import { EXAMPLES, example } from "./examples";
 import { type Bench, type BudgetKind, isScript, viewText } from "./document";
+import { LAYOUT_TEXTS } from "./layout/texts";
 import { Script } from "./Script";
 import type { Page } from "./words";
 
@@ -21,7 +22,7 @@ export function Inputs({ page }: { page: Page }) {
     <section class="inputs" aria-label={words.file}>
       <div class="row tight">
         <label class="field">
-          {words.example}
+          <span class="spoken">{words.example}</span>
           <select
             value={EXAMPLES.find((name) => `${name}.star` === bench.name) ?? ""}
             onChange={(event) => {
@@ -54,11 +55,11 @@ export function Inputs({ page }: { page: Page }) {
             event.currentTarget.value = "";
           }}
         />
-        <button type="button" disabled={!state.past.length} onClick={() => control?.undo()}>
-          {words.undo}
+        <button type="button" disabled={!state.past.length} aria-label={words.undo} title={words.undo} onClick={() => control?.undo()}>
+          ↶
         </button>
-        <button type="button" disabled={!state.future.length} onClick={() => control?.redo()}>
-          {words.redo}
+        <button type="button" disabled={!state.future.length} aria-label={words.redo} title={words.redo} onClick={() => control?.redo()}>
+          ↷
         </button>
       </div>
       {isScript(bench) ? (
@@ -68,7 +69,7 @@ export function Inputs({ page }: { page: Page }) {
           <b>{bench.name}</b> · {say.bytes(bench.files[bench.name]?.length ?? 0)}
         </p>
       )}
-      <p class="aside">{words.drop}</p>
+      <Printed page={page} />
       <Parameters page={page} />
       <BudgetBar page={page} />
       <details class="options-more" open={bench.options !== ""}>
@@ -84,6 +85,22 @@ export function Inputs({ page }: { page: Page }) {
         </label>
       </details>
     </section>
+  );
+}
+
+/** What the script printed, and what the command remarks on it. */
+function Printed({ page }: { page: Page }) {
+  const { state, language } = page;
+  const said = (state.shown?.certificate.input?.warnings ?? []).filter(({ code }) => code === "script-said");
+  if (!said.length || !isScript(state.bench)) return null;
+  const texts = LAYOUT_TEXTS[language];
+  return (
+    <div class="printed">
+      <h3>{texts.said}</h3>
+      <pre class="said" tabIndex={0} aria-label={texts.said}>
+        {said.map(({ message }) => message).join("\n")}
+      </pre>
+    </div>
   );
 }
 
@@ -143,7 +160,6 @@ function BudgetBar({ page }: { page: Page }) {
         choose={(by) => put({ by })}
       />
       <label class="field">
-        <span class="aside">{hint}</span>
         <input
           type="text"
           inputMode={budget.by === "tol" ? "text" : "decimal"}
@@ -152,6 +168,7 @@ function BudgetBar({ page }: { page: Page }) {
           aria-label={words.budgets[budget.by]}
           onChange={(event) => put({ [budget.by]: event.currentTarget.value })}
         />
+        <span class="aside">{hint}</span>
       </label>
     </div>
   );

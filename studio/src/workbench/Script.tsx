@@ -23,6 +23,7 @@ export function Script({ page }: { page: Page }) {
         text: textOf(control.state.bench),
         label: words.script,
         phrases: EDITOR_PHRASES[language],
+        moved: (place) => latestPage.current.link?.moved(place),
         change: (text, isDragging) => latestPage.current.control?.write(text, isDragging),
       });
       void control.language().then(async (table) => {
@@ -48,6 +49,11 @@ export function Script({ page }: { page: Page }) {
       fault?.line ? { line: fault.line, message: fault.text, ...(fault.column ? { column: fault.column } : {}) } : null,
     );
   }, [state.fault, isLoaded]);
+
+  const reveal = page.link?.reveal;
+  useEffect(() => {
+    if (reveal) editor.current?.reveal(reveal.from, reveal.to);
+  }, [reveal]);
 
   return (
     <div class="field script">

@@ -6,7 +6,7 @@ import { PAINT } from "../exhibits/paint";
 import { type Pull, Scene } from "../exhibits/Scene";
 import { Choice, Slider } from "../view/parts";
 import { type Layer, type Picture, type Projector, type Size, type Vec3, projector } from "../viewer";
-import { axesOf, minus, plus, unit as unitOf } from "../viewer/view";
+import { axesOf, cross, minus, plus, unit as unitOf } from "../viewer/view";
 import { Working } from "./Certificate";
 import { hasField, isScript } from "./document";
 import { type Part, boxOf } from "./glb";
@@ -14,7 +14,7 @@ import type { LayoutControl } from "./layout/layout";
 import { LAYOUT_TEXTS } from "./layout/texts";
 import { levelAt } from "./Levels";
 import { MeasureCard, MeasureMarks } from "./measure/Measures";
-import { hit } from "./measure/solid";
+import { hit, normalOf as faceNormal } from "./measure/solid";
 import { MEASURE_TEXTS } from "./measure/texts";
 import { TOOLS, type Tool, useMeasures } from "./measure/useMeasures";
 import { useSolid } from "./measure/useSolid";
@@ -24,6 +24,7 @@ import { drawSlice } from "./slice";
 import { GridLabels, Sizes, Triad, groundLayers } from "./stage/ground";
 import { type Hands, SIDES, SIDE_NAMES, fitted, orbit } from "./stage/orbit";
 import { ALIGNED, type Cut, FIRST, flipped, isKept, normalOf, planeOf } from "./stage/section";
+import type { CallSite } from "./trace/shadow";
 import type { Page } from "./words";
 
 type Look = "shaded" | "wire" | "normals" | "culled";
@@ -55,11 +56,13 @@ interface StageProps {
   unit: string;
   /** Layers over the mesh, such as the faces of a line of the script. */
   extra: readonly Layer[];
-  /** A face was pressed while nothing is measured. */
-  tapped(at: Projector, x: number, y: number): void;
+  /** The calls of the script whose faces are marked. */
+  chosen: readonly CallSite[];
+  /** A point of a face was pressed while nothing is measured. */
+  tapped(at: Vec3, normal: Vec3): void;
 }
 
-export function Stage({ page, marked, layout, covered, step, unit, extra, tapped }: StageProps) {
+export function Stage({ page, marked, layout, covered, step, unit, extra, chosen, tapped }: StageProps) {
   const { words, state, control, language } = page;
   const { shown, levels, view, home } = state;
   const texts = LAYOUT_TEXTS[language];
@@ -92,16 +95,20 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, tapped
     [covered.left, covered.right, covered.top, covered.bottom],
   );
   const centre = [size.width / 2 + shift[0], size.height / 2 + shift[1]] as const;
+  const under = (x: number, y: number) => {
+    const from = projector(control!.state.view, { ...size, shift });
+    return solid.current ? hit(solid.current, from.origin(x, y), from.ray(x, y), 0, isShown) : undefined;
+  };
+  const press = (x: number, y: number) => {
+    const found = under(x, y);
+    if (found) tapped(found.at, faceNormal(solid.current!, found.face));
+  };
   const toggleParallel = () => control?.look({ ...control.state.view, isParallel: !control.state.view.isParallel });
 
   const hands = useRef<Hands>(null!);
   const at = () => projector(control!.state.view, { ...size, shift });
   hands.current = {
-    under: (x, y) => {
-      if (!solid.current) return undefined;
-      const from = at();
-      return hit(solid.current, from.origin(x, y), from.ray(x, y), 0, isShown)?.at;
-    },
+    under: (x, y) => under(x, y)?.at,
     hover: (x, y) => measures.hover(at(), x, y),
     key: ({ key }) => {
       const pressed = key.toLowerCase();
@@ -160,7 +167,7 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, tapped
             key: (event) => hands.current.key(event),
           })
         }
-        tap={(at, x, y) => (measures.tool ? measures.press(at, x, y) : tapped(at, x, y))}
+        tap={(at, x, y) => (measures.tool ? measures.press(at, x, y) : press(x, y))}
         pulls={pulls}
         over={(at) => (
           <>
@@ -249,6 +256,15 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, tapped
             </div>
           </div>
         )}
+        {chosen.length > 0 && (
+          <p class="card site" role="status">
+            {chosen.map(({ name, line, from }) => (
+              <span key={from}>
+                {words.atLine(line)} <code>{name}()</code>{" "}
+              </span>
+            ))}
+          </p>
+        )}
         <MeasureCard page={page} measures={measures} unit={unit} isReady={solid.isReady} />
       </div>
       <p class="spoken" id="turn-hint">
@@ -304,13 +320,15 @@ function Turner({ page, cut, at, from, box, set }: { page: Page; cut: Cut; at: P
   );
 }
 
-/** A square in the section plane. */
+/** The outline of the section plane, a little larger than the shape. */
 function outlineOf(at: Vec3, normal: Vec3, [low, high]: Box): Layer {
-  const half = 0.5 * Math.hypot(...minus(high, low));
   const steep = Math.abs(normal[2]) > 0.9;
   const u = unitOf(steep ? [normal[2], 0, -normal[0]] : [-normal[1], normal[0], 0]);
-  const v: Vec3 = [normal[1] * u[2] - normal[2] * u[1], normal[2] * u[0] - normal[0] * u[2], normal[0] * u[1] - normal[1] * u[0]];
-  const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => plus(plus(at, u, a! * half), v, b! * half));
+  const v = cross(normal, u);
+  // The middle of the box is on the line of the plane's own middle, so half of the box's extent along each side suffices.
+  const half = (axis: Vec3) => 0.55 * axis.reduce((sum, x, k) => sum + Math.abs(x) * (high[k]! - low[k]!), 0);
+  const [a, b] = [half(u), half(v)];
+  const corners = [[-a, -b], [a, -b], [a, b], [-a, b]].map(([s, t]) => plus(plus(at, u, s), v, t));
   const positions = Float32Array.from(corners.flatMap((corner, i) => [...corner, ...corners[(i + 1) % 4]!]));
   return { kind: "lines", id: "section", positions, paint: PAINT.mark, width: 2, isWhole: true };
 }

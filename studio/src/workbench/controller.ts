@@ -11,6 +11,7 @@ import {
   meshLine,
   reading,
   stem,
+  textOf,
   viewText,
   withText,
   without,
@@ -22,6 +23,8 @@ import { faultOf, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
+import type { Trace } from "./trace/faces";
+import { shadowOf } from "./trace/shadow";
 import type { LaneName, Notice, Shown, State } from "./state";
 
 /** A part of docs/schema/language.schema.json. */
@@ -84,6 +87,7 @@ export class Controller {
       picture: null,
       slice: null,
       levels: null,
+      trace: null,
       view: HOME,
       home: HOME,
       size: { width: 720, height: 480 },
@@ -290,6 +294,28 @@ export class Controller {
     this.update({ slice: sliceOf(bytes, reportOf(outcome)) });
   }
 
+  /** Finds which call of the script made which face, once for each input. A script that has no such mesh has no answer. */
+  trace(): Promise<Trace | null> {
+    const { bench: current } = this.state;
+    if (!isScript(current)) return Promise.resolve(null);
+    if (this.tracing?.bench !== current) this.tracing = { bench: current, found: this.runTrace(current) };
+    return this.tracing.found;
+  }
+  private tracing: { bench: Bench; found: Promise<Trace | null> } | null = null;
+
+  private async runTrace(current: Bench): Promise<Trace | null> {
+    const { text, sites } = shadowOf(textOf(current));
+    // Within the same budget, so that its faces lie on those that are shown.
+    const words = keepingBest([...meshLine({ ...current, combine: null }, this.screen, "trace.glb"), "--require", "estimated"]);
+    const outcome = await this.run("trace", words, withText(current, text).files, true);
+    const [bytes, certificate] = [outcome?.outputs["trace.glb"], outcome && reportOf(outcome).certificate];
+    if (!bytes || !certificate || current !== this.state.bench) return null;
+    const parts = await readOrUndefined(async () => partsOf(bytes, certificate.frame));
+    const trace = { bench: current, sites, parts: (parts ?? []).map((part) => partToZUp(part, this.upOf(current, certificate.frame.up))) };
+    this.update({ trace });
+    return trace;
+  }
+
   /** The functions and words of the script language, for the editor. */
   async language(): Promise<{ functions: readonly FunctionRow[]; words: readonly string[] } | null> {
     const outcome = await this.run("language", ["language"], {}, true);
@@ -340,8 +366,8 @@ export class Controller {
 
   private restart(isDragging: boolean): void {
     const { bench: current } = this.state;
-    this.update({ levels: null, slice: null, notice: null });
-    for (const lane of ["levels", "slice", "step"] as const) this.jobs.cancel(lane);
+    this.update({ levels: null, slice: null, trace: null, notice: null });
+    for (const lane of ["levels", "slice", "step", "trace"] as const) this.jobs.cancel(lane);
     if (isScript(current)) void this.draft();
     else this.jobs.cancel("draft");
     // During a drag there are only drafts: a proof would be of an older number before it ends.

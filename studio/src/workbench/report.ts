@@ -29,6 +29,7 @@ export interface AttributeFacts {
 }
 
 export interface Certificate {
+  input?: { warnings?: readonly { code: string; message: string }[] };
   frame: { up: string | null; metres_per_unit: number | null };
   budget: { length: number | null; pixels: number | null; triangles: number | null } | null;
   bound: BoundFacts | null;

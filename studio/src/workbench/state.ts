@@ -4,10 +4,11 @@ import type { Progress } from "./command";
 import type { Bench, Line } from "./document";
 import type { Part } from "./glb";
 import type { Fault, Slice } from "./outcome";
+import type { Trace } from "./trace/faces";
 import type { Beside, PictureOf } from "./pictures";
 import type { Certificate, Inspection, LevelFacts } from "./report";
 
-export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language";
+export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language" | "trace";
 
 /** The mesh that is shown. */
 export interface Shown {
@@ -46,6 +47,8 @@ export interface State {
   picture: PictureOf | null;
   slice: Slice | null;
   levels: Levels | null;
+  /** The faces by the calls of the script that made them, if that was asked. */
+  trace: Trace | null;
   view: View;
   home: View;
   size: Size;

@@ -11,6 +11,8 @@ export interface Page {
   state: State;
   control: Controller | null;
   language: Language;
+  /** Between the script and the picture: the part of the text to select, and where the reader put the cursor. */
+  link?: { reveal: { from: number; to: number } | null; moved(place: number): void };
 }
 
 /** From four zeros after the point, or eight digits before it, a number is written with a power of ten. */

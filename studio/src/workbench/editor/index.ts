@@ -36,6 +36,8 @@ export interface EditorOptions {
   phrases: EditorPhrases;
   /** Called after every change by the reader; during a drag each time, and once at its end. */
   change(text: string, isDragging: boolean): void;
+  /** Called when the reader moves the cursor, with its place in the text. */
+  moved?(place: number): void;
 }
 
 export interface ScriptEditor {
@@ -46,6 +48,8 @@ export interface ScriptEditor {
   /** Functions to complete and explain, and other words to complete. */
   setTable(table: readonly FunctionRow[], words: readonly string[]): void;
   focus(): void;
+  /** Selects a part of the text and scrolls to it. */
+  reveal(from: number, to: number): void;
   dispose(): void;
 }
 
@@ -56,11 +60,12 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
   const { phrases, change } = options;
   const tableConfig = new Compartment();
   // The page is not notified of its own changes.
-  let isOfPage = false;
+  let [isOfPage, isRevealing] = [false, false];
   let sliderEdit: LiveEdit | null = null;
 
   const handles = dragging({ ended: () => change(view.state.doc.toString(), false) });
   const changeListener = EditorView.updateListener.of((update) => {
+    if (update.selectionSet && !isOfPage && !isRevealing) options.moved?.(update.state.selection.main.head);
     if (update.docChanged && !isOfPage) change(update.state.doc.toString(), handles.isDragging(view));
   });
 
@@ -130,6 +135,12 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
       view.dispatch({ effects: tableConfig.reconfigure(table.of({ rows, words })) });
     },
     focus: () => view.focus(),
+    reveal(from, to) {
+      const end = Math.min(to, view.state.doc.length);
+      isRevealing = true;
+      view.dispatch({ selection: { anchor: Math.min(from, end), head: end }, effects: EditorView.scrollIntoView(Math.min(from, end), { y: "center" }) });
+      isRevealing = false;
+    },
     dispose() {
       view.destroy();
       host.remove();

@@ -20,7 +20,7 @@ const theme = EditorView.theme({
   "&.cm-focused": focusRing,
   // Horizontal strokes drag numbers, and lines are wrapped, so only vertical panning is left to the browser. Set on the whole
   // text, because a number's element is replaced when its text changes, and Chromium then uses its ancestor's value.
-  ".cm-scroller": { font: "var(--text-control)/1.6 var(--mono)", overflow: "auto", touchAction: "pan-y pinch-zoom" },
+  ".cm-scroller": { font: "0.82rem/1.55 var(--mono)", overflow: "auto", touchAction: "pan-y pinch-zoom" },
   ".cm-scroller.cm-dragging, .cm-scroller.cm-dragging *": { cursor: "ew-resize !important" },
   ".cm-content": { caretColor: "var(--ink)", minHeight: "6rem", minWidth: "0" },
   ".cm-gutters": { backgroundColor: "var(--raised)", color: "var(--soft)", border: "0", borderRight: "1px solid var(--line)" },
@@ -42,8 +42,8 @@ const theme = EditorView.theme({
   ".cm-panels.cm-panels-bottom": { borderTop: "1px solid var(--line)" },
   // Empty but not hidden: a hidden element is no live region.
   ".cm-problemPanel:not(:empty)": { ...row, alignItems: "baseline", padding: "var(--space-1) var(--space-3)" },
-  // The height of a line of usage and two of text, so that the editor does not jump when the cursor moves.
-  ".cm-below": { ...row, alignItems: "start", minHeight: "4.9rem", padding: "var(--space-2) var(--space-3)" },
+  // Of one height, so that the editor does not jump when the cursor moves: two lines and the beginning of a third.
+  ".cm-below": { ...row, alignItems: "start", height: "3.7rem", overflow: "auto", padding: "var(--space-2) var(--space-3)" },
   ".cm-help": { flex: "1", minWidth: "0", color: "var(--soft)" },
   ".cm-help p, .cm-card p": { margin: "0", font: "var(--text-small)/1.5 var(--sans)" },
   ".cm-usage": { font: "var(--text-small)/1.5 var(--mono)", color: "var(--ink)", overflowWrap: "anywhere" },

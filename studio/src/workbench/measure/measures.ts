@@ -147,15 +147,18 @@ const MOST = 20_000;
 export function cylinderAt(solid: Solid, face: number, tolerance: number): Circle | undefined {
   const faces = smoothFace(solid, face);
   if (faces.length < 3) return undefined;
-  const first = normalOf(solid, face);
-  const normals = faces.map((one) => normalOf(solid, one));
+  const rows = [...new Set(faces.flatMap((one) => [0, 1, 2].map((k) => solid.indices[3 * one + k]!)))];
+  // Those of the vertices are of the shape itself; a triangle of a coarse mesh may be tilted.
+  const normals = solid.normals ? rows.map((i) => row(solid.normals!, i)) : faces.map((one) => normalOf(solid, one));
+  const first = normals[0]!;
   const across = normals.map((normal) => cross(first, normal));
   const widest = across.reduce((best, one) => (dot(one, one) > dot(best, best) ? one : best));
   if (Math.hypot(...widest) < 0.1) return undefined;
   const axis = unit(widest);
   if (normals.some((normal) => Math.abs(dot(normal, axis)) > PERPENDICULAR)) return undefined;
-  const [u, v] = [first, cross(axis, first)];
-  const vertices = [...new Set(faces.flatMap((one) => [0, 1, 2].map((k) => solid.indices[3 * one + k]!)))].map((i) => row(solid.positions, i));
+  const u = unit(plus(first, axis, -dot(first, axis)));
+  const v = cross(axis, u);
+  const vertices = rows.map((i) => row(solid.positions, i));
   const middle = vertices.reduce((sum, point) => plus(sum, point, 1 / vertices.length), [0, 0, 0] as Vec3);
   const flat = vertices.map((point) => minus(point, middle)).map((point) => [dot(point, u), dot(point, v)] as const);
   // Kåsa's fit: x² + y² = 2ax + 2by + c, by least squares about the mean.

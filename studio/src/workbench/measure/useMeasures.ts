@@ -113,7 +113,7 @@ function measure(solid: Solid, tool: Tool, spots: readonly Spot[], tolerance: nu
       return found && { of: tool, value: found.size, isBounded: true, lines: [[a.at, found.to]], at: middleOf(a.at, found.to) };
     }
     case "radius": {
-      const cylinder = spots.length === 1 && a.on === "face" ? cylinderAt(solid, a.face!, 2 * tolerance) : undefined;
+      const cylinder = spots.length === 1 && a.face !== undefined ? cylinderAt(solid, a.face, 2 * tolerance) : undefined;
       if (cylinder) return circle("cylinder", cylinder);
       if (!b || !c) return "more";
       const found = circleThrough(a.at, b.at, c.at);

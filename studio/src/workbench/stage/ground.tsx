@@ -5,9 +5,13 @@ import type { Box } from "../pixels";
 import type { Page } from "../words";
 
 /** About so many squares of the grid across the distance to the target. Chosen: more are a blur. */
-const SQUARES = 12;
+const SQUARES = 24;
 /** Squares from the middle to the edge of the grid. */
 const REACH = 20;
+/** The length of a piece of a line, in squares. */
+const PIECE = 4;
+/** Along a side of the shape with more squares only every fifth line has a number. */
+const MOST_LABELS = 8;
 const AXES = { x: "#c8472f", y: "#3f8a3a", z: "#3a6fc8" } as const;
 
 /** The side of a square: 1, 2 or 5 times a power of ten. */
@@ -27,10 +31,14 @@ export function groundLayers(box: Box, step: number): Layer[] {
   for (let i = -REACH; i <= REACH; i++) {
     const [x, y] = [middle[0] + i * step, middle[1] + i * step];
     // Every fifth line, counted from the origin.
-    (Math.round(x / step) % 5 === 0 ? thick : thin).push(x, middle[1] - reach, floor, x, middle[1] + reach, floor);
-    (Math.round(y / step) % 5 === 0 ? thick : thin).push(middle[0] - reach, y, floor, middle[0] + reach, y, floor);
+    const [ofX, ofY] = [x, y].map((value) => (Math.round(value / step) % 5 === 0 ? thick : thin)) as [number[], number[]];
+    // In pieces: the depth along one long line that passes the eye is too coarse to be hidden by the shape.
+    for (let at = -reach; at < reach - step / 2; at += PIECE * step) {
+      ofX.push(x, middle[1] + at, floor, x, middle[1] + at + PIECE * step, floor);
+      ofY.push(middle[0] + at, y, floor, middle[0] + at + PIECE * step, y, floor);
+    }
   }
-  const long = Math.max(reach / 2, ...low.map(Math.abs), ...high.map(Math.abs));
+  const long = 1.25 * Math.max(...low.map(Math.abs), ...high.map(Math.abs));
   const line = (id: string, positions: readonly number[], paint: string, width: number): Layer => ({
     kind: "lines",
     id,
@@ -79,11 +87,12 @@ export function GridLabels({ page, at, box, step }: { page: Page; at: Projector;
     const other = (1 - k) as 0 | 1;
     // Along the side of the box that is nearer to the eye, a square away from it.
     const side = at.eye[other] > (low[other] + high[other]) / 2 ? high[other] + step : low[other] - step;
-    for (let i = Math.ceil(low[k] / step / 5) - 1; i <= Math.floor(high[k] / step / 5) + 1; i++) {
+    const every = high[k] - low[k] > MOST_LABELS * step ? 5 : 1;
+    for (let i = Math.ceil(low[k] / step / every) - 1; i <= Math.floor(high[k] / step / every) + 1; i++) {
       const point = [0, 0, low[2]] as [number, number, number];
-      point[k] = 5 * i * step;
+      point[k] = every * i * step;
       point[other] = side;
-      labels.push({ key: `${k} ${i}`, point, text: page.say.number(5 * i * step) });
+      labels.push({ key: `${k} ${i}`, point, text: page.say.number(Number((every * i * step).toPrecision(6))) });
     }
   }
   return (
