@@ -2,7 +2,9 @@
 import { Figure } from "../view/parts";
 import type { Vec3 } from "../viewer";
 import { stageIn } from "./command_zh";
+import { isScript } from "./document";
 import type { LaneName } from "./state";
+import { LAYOUT_TEXTS } from "./layout/texts";
 import { isOutdated } from "./outdated";
 import { towards } from "./pixels";
 import type { AttributeFacts, BoundFacts } from "./report";
@@ -10,7 +12,7 @@ import { Said } from "./Said";
 import type { Page } from "./words";
 
 export function Certificate({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
-  const { words, say, state, control } = page;
+  const { words, say, state, control, language } = page;
   const { shown } = state;
   const bound = shown?.certificate.bound;
   const { output, valid } = shown?.certificate ?? {};
@@ -34,7 +36,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
               {assumption}
             </p>
           ))}
-          {shown.isDraft && <p class="aside">{state.ended === state.bench ? words.draftOnly : words.draft}</p>}
+          {shown.isDraft && <p class="aside">{state.ended === state.bench ? words.draftOnly : isScript(state.bench) ? words.draft : LAYOUT_TEXTS[language].asItIs}</p>}
         </>
       )}
       {shown && (
@@ -106,6 +108,13 @@ export function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
   return { proved: words.proved, "proved-if": words.provedIf, measured: words.measured, estimated: words.estimated }[evidence];
 }
 
+/** Rounded, since it is a guess: to a second, from ten on to five, from a minute and a half on to minutes. */
+function leftIn({ say, language }: Page, seconds: number): string {
+  const texts = LAYOUT_TEXTS[language];
+  if (seconds >= 90) return texts.minutesLeft(say.whole(Math.round(seconds / 60)));
+  return texts.secondsLeft(say.whole(seconds < 10 ? Math.max(1, Math.round(seconds)) : 5 * Math.round(seconds / 5)));
+}
+
 /** The progress of a run, with a button that cancels it. */
 export function Working({ page, lanes }: { page: Page; lanes: readonly LaneName[] }) {
   const { words, say, state, control, language } = page;
@@ -119,6 +128,7 @@ export function Working({ page, lanes }: { page: Page; lanes: readonly LaneName[
         {progress ? (
           <>
             <Said words={stageIn(language, progress.stage)} /> {say.percent(progress.percent / 100)}
+            {progress.left !== null && `, ${leftIn(page, progress.left)}`}
           </>
         ) : (
           words.waiting

@@ -44,11 +44,12 @@ export function Script({ page }: { page: Page }) {
   }, [text]);
 
   useEffect(() => {
-    const { fault } = state;
-    editor.current?.setError(
-      fault?.line ? { line: fault.line, message: fault.text, ...(fault.column ? { column: fault.column } : {}) } : null,
+    const { fault, moreFaults } = state;
+    const placed = (fault ? [fault, ...moreFaults] : []).filter(({ line }) => line !== undefined);
+    editor.current?.setErrors(
+      placed.map(({ line, column, text: message }) => ({ line: line!, message, ...(column ? { column } : {}) })),
     );
-  }, [state.fault, isLoaded]);
+  }, [state.fault, state.moreFaults, isLoaded]);
 
   const reveal = page.link?.reveal;
   useEffect(() => {

@@ -1,12 +1,13 @@
 // Holds the state of the workbench, starts runs of the command, and notifies the view. It computes nothing itself.
 import type { Size, Vec3, View } from "../viewer";
 import { fovOf } from "../viewer/view";
-import type { Files, Outcome } from "./command";
+import type { Files, Outcome, Progress } from "./command";
 import {
   type Bench,
   type Line,
   type Screen,
   bench,
+  isMesh,
   isScript,
   meshLine,
   reading,
@@ -18,14 +19,15 @@ import {
 } from "./document";
 import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, withPictures } from "./glb";
+import { MOST_FAULTS, inScript, isMendable, withoutFault } from "./faults";
 import { type Jobs, Stopped } from "./jobs";
-import { faultOf, reportOf, sliceOf } from "./outcome";
+import { type Fault, faultOf, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
 import type { Trace } from "./trace/faces";
 import { shadowOf } from "./trace/shadow";
-import type { LaneName, Notice, Shown, State } from "./state";
+import type { LaneName, Notice, Running, Shown, State } from "./state";
 
 /** A part of docs/schema/language.schema.json. */
 interface LanguageTable {
@@ -47,6 +49,10 @@ const PAUSE_MS = 1000;
  * Chosen: a view from near may at most about double the budget's triangles, because the proof runs unasked; levels run on demand.
  */
 const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
+/** The time left is told from so far on: earlier it jumps. */
+const LEFT_AFTER = { seconds: 2, percent: 3 };
+/** A mesh file of more bytes is shown as it is before its own mesh is made. Chosen: a smaller one takes less than a second. */
+const SHOWN_FIRST = 1e6;
 /** Exit codes of the command: an unknown option, and a budget that was not met. */
 const USAGE = 2;
 const UNMET = 5;
@@ -79,6 +85,7 @@ export class Controller {
       future: [],
       shown: null,
       fault: null,
+      moreFaults: [],
       inspection: null,
       witnesses: [],
       progress: {},
@@ -366,10 +373,13 @@ export class Controller {
 
   private restart(isDragging: boolean): void {
     const { bench: current } = this.state;
-    this.update({ levels: null, slice: null, trace: null, notice: null });
-    for (const lane of ["levels", "slice", "step", "trace"] as const) this.jobs.cancel(lane);
+    this.update({ levels: null, slice: null, trace: null, moreFaults: [], notice: null });
+    for (const lane of ["levels", "slice", "step", "trace", "faults"] as const) this.jobs.cancel(lane);
     if (isScript(current)) void this.draft();
-    else this.jobs.cancel("draft");
+    else {
+      this.jobs.cancel("draft");
+      if (isMesh(current) && (current.files[current.name]?.length ?? 0) > SHOWN_FIRST) void this.showFirst(current);
+    }
     // During a drag there are only drafts: a proof would be of an older number before it ends.
     if (isDragging) {
       this.jobs.cancel("proof");
@@ -382,6 +392,13 @@ export class Controller {
       this.schedule("picture", () => void this.draw());
       this.schedule("link", () => void pack(current).then((link) => current === this.state.bench && this.update({ link })));
     }
+  }
+
+  /** Shows a large file as it is, which takes a moment; its mesh within the budget may take minutes. */
+  private async showFirst(current: Bench): Promise<void> {
+    // The options are those of the mesh, which this verb may not know; and a changed budget changes nothing here.
+    if (this.state.shown?.bench.name === current.name) return;
+    await this.showMesh("draft", ["convert", current.name, "as-it-is.glb"], "as-it-is.glb", current);
   }
 
   /** Drafts run one after the other and are never cancelled, so that some are shown during a drag. */
@@ -425,9 +442,27 @@ export class Controller {
     this.proofScreen = { bench: current, view, size, screen: this.screen };
     const isMade = await this.runProof(current);
     if (isMade === false && number === this.proofCount) await this.proveOlder(current);
+    if (isMade === false && number === this.proofCount) await this.findFaults(current);
     if (number === this.proofCount) this.update({ ended: current });
   }
   private proofCount = 0;
+
+  /** Looks for mistakes after the first one. */
+  private async findFaults(current: Bench): Promise<void> {
+    const script = isScript(current) ? textOf(current) : "";
+    let [copy, fault]: [string | null, Fault | null] = [script, this.state.fault];
+    const more: Fault[] = [];
+    while (copy !== null && fault && isMendable(fault) && more.length < MOST_FAULTS) {
+      copy = withoutFault(copy, fault);
+      if (copy === null) break;
+      const outcome = await this.run("faults", ["inspect", ...reading(current)], withText(current, copy).files, true);
+      if (!outcome || current !== this.state.bench) return;
+      fault = outcome.exit === 0 ? null : inScript(faultOf(outcome), copy, script);
+      if (!fault || !isMendable(fault)) break;
+      more.push(fault);
+      this.update({ moreFaults: more.slice() });
+    }
+  }
 
   private runProof(input: Bench): Promise<boolean | null> {
     const output = this.outputOf(`${stem(input.name)}.glb`);
@@ -576,7 +611,7 @@ export class Controller {
     setRunning(true);
     try {
       const args = isReport ? [...words, "--json"] : words;
-      return await this.jobs.run(lane, args, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: progress } }));
+      return await this.jobs.run(lane, args, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: withLeft(progress, this.state.progress[lane]) } }));
     } catch (error) {
       if (error instanceof Stopped && error.why === "unloaded") this.update({ notice: "unloaded" });
       else if (error instanceof Stopped && error.why === "trapped") {
@@ -606,6 +641,15 @@ export class Controller {
     this.state = { ...this.state, ...change };
     this.notify();
   }
+}
+
+/** A stage's progress with the seconds that it probably still takes: as fast as so far. */
+function withLeft(progress: Progress, before: Running | undefined): Running {
+  const now = performance.now();
+  const since = before?.stage === progress.stage ? before.since : { at: now, percent: progress.percent };
+  const [seconds, done] = [(now - since.at) / 1000, progress.percent - since.percent];
+  const isKnown = seconds >= LEFT_AFTER.seconds && done >= LEFT_AFTER.percent;
+  return { ...progress, since, left: isKnown ? (seconds * (100 - progress.percent)) / done : null };
 }
 
 /** A file name that the command does not parse as an option. */

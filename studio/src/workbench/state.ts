@@ -8,7 +8,13 @@ import type { Trace } from "./trace/faces";
 import type { Beside, PictureOf } from "./pictures";
 import type { Certificate, Inspection, LevelFacts } from "./report";
 
-export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language" | "trace";
+/** The progress of a run, when its stage began, and the seconds that it probably still takes, if that can be told. */
+export interface Running extends Progress {
+  since: { at: number; percent: number };
+  left: number | null;
+}
+
+export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language" | "trace" | "faults";
 
 /** The mesh that is shown. */
 export interface Shown {
@@ -37,10 +43,12 @@ export interface State {
   future: readonly Bench[];
   shown: Shown | null;
   fault: Fault | null;
+  /** Further mistakes of the same script. */
+  moreFaults: readonly Fault[];
   inspection: Inspection | null;
   /** The places of defects, by the name of the finding. */
   witnesses: readonly { of: string; at: Vec3 }[];
-  progress: Partial<Record<LaneName, Progress>>;
+  progress: Partial<Record<LaneName, Running>>;
   running: readonly LaneName[];
   /** The chosen picture beside the mesh, and its pixels. */
   beside: Beside;

@@ -259,7 +259,7 @@ test("a name is explained under the pointer and at the cursor", async () => {
 
 test("an error is marked at its place, and is reached and read without a mouse", async () => {
   const { page } = await open("a = 1\né = box(1, a)\n");
-  await page.evaluate(() => editor.setError({ line: 2, column: 5, message: "box() needs 'z'" }));
+  await page.evaluate(() => editor.setErrors([{ line: 2, column: 5, message: "box() needs 'z'" }]));
   expect(await page.locator(".cm-problem").textContent()).toBe("box");
   expect(await page.locator(".cm-problemLine").textContent()).toBe("2");
   expect(await page.getByRole("status").textContent()).toBe("Line 2box() needs 'z'");
@@ -269,12 +269,12 @@ test("an error is marked at its place, and is reached and read without a mouse",
   await page.keyboard.type("rounded_");
   expect(await textOf(page)).toBe("a = 1\né = rounded_box(1, a)\n");
   expect(await page.locator(".cm-problem").textContent()).toBe("box");
-  await page.evaluate(() => editor.setError(null));
+  await page.evaluate(() => editor.setErrors([]));
   expect(await page.getByRole("status").textContent()).toBe("");
   expect(await content(page).getAttribute("aria-invalid")).toBe("false");
   // Places that the new text does not have.
   for (const error of [{ line: 99, column: 99 }, { line: 0 }, { line: 1, column: 6 }, { line: 3 }]) {
-    await page.evaluate((place) => editor.setError({ ...place, message: "?" }), error);
+    await page.evaluate((place) => editor.setErrors([{ ...place, message: "?" }]), error);
     expect(await page.getByRole("status").textContent()).toMatch(/^Line \d\?$/);
   }
 });
@@ -290,7 +290,7 @@ test("it has a name, Tab leaves it, and axe finds nothing, in both languages and
       await page.keyboard.press("Tab");
       expect(await field.evaluate((element) => (element.getRootNode() as ShadowRoot).activeElement === element)).toBe(true);
       await cursorTo(page, 0, 22);
-      await page.evaluate(() => editor.setError({ line: 2, column: 18, message: "cylinder() needs a number" }));
+      await page.evaluate(() => editor.setErrors([{ line: 2, column: 18, message: "cylinder() needs a number" }]));
       await page.keyboard.press("Control+Space");
       expect(await seriousFindings(page)).toEqual([]);
       for (let k = 0; k < 4; k += 1) await page.keyboard.press("Tab");

@@ -8,7 +8,7 @@ import { afterAll, afterEach, beforeAll, describe, expect, test, vi } from "vite
 import { run } from "../../src/workbench/command";
 import { split } from "../../src/workbench/document";
 import { ROOT, Site, digits, settled } from "./site";
-import { PATIENCE, Workbenches, commandModule, faults, line, small, text, write } from "./workbench_page";
+import { PATIENCE, Workbenches, commandModule, faults, line, panel, small, text, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
 
@@ -27,6 +27,7 @@ afterAll(() => site.close());
 const open: Workbenches["open"] = (...how) => pages.open(...how);
 
 async function saved(page: Page, what: string): Promise<Buffer> {
+  await panel(page, "export");
   const [download] = await Promise.all([page.waitForEvent("download"), page.locator(`[data-export="${what}"]`).click()]);
   const path = join(folder, download.suggestedFilename());
   await download.saveAs(path);
@@ -62,7 +63,7 @@ describe("a script", () => {
   test("with a mistake shows its place, and the last mesh stays", async () => {
     const { page } = await open();
     const before = await digits(page, "bound");
-    await page.getByLabel("Cut open").check();
+    await page.getByLabel("Cut open").check({ force: true });
     await page.locator("#cut").waitFor();
     await write(page, "sphere(1)\nbox(1, 2");
     await page.locator(".fault").waitFor();
@@ -145,7 +146,7 @@ describe("a script", () => {
     const { page } = await open();
     await page.locator(".budget input[type=text]").fill("0.0001%");
     await page.keyboard.press("Enter");
-    await page.locator(".certificate").getByRole("button", { name: "Stop" }).click({ timeout: 20_000 });
+    await page.locator(".status").getByRole("button", { name: "Stop" }).click({ timeout: 20_000 });
     await expect.poll(() => page.locator(".note").textContent()).toContain("Stopped");
     await page.locator(".budget input[type=text]").fill("2%");
     await page.keyboard.press("Enter");
@@ -161,6 +162,7 @@ describe("a file", () => {
     const { page, errors } = await open();
     const picker = page.locator(".inputs input[type=file]");
     await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
+    // Opened by itself, since there are defects.
     await page.locator(".findings").waitFor();
     expect(await page.locator(".findings").textContent()).toContain("3 boundary edges");
     await page.locator(".findings").getByRole("button", { name: "Show" }).click();
@@ -171,6 +173,7 @@ describe("a file", () => {
       "chordal mend sick.obj --fill-holes -o sick-mended.obj\nchordal mesh sick-mended.obj --tol 0.5% -o sick-mended.glb",
     );
     const block = await run(module, ["mesh", "b.star", "--tol", "1%", "-o", "b.stl"], { "b.star": text("move(box(1, 1, 1), 0.5, 0.5, 0.5)") });
+    await panel(page, "change");
     const other = { name: "b.stl", mimeType: "model/stl", buffer: Buffer.from(block.outputs["b.stl"]!) };
     await page.locator(".steps-panel input[type=file]").setInputFiles(other);
     await page.locator('input[value="intersect"]').check({ force: true });
@@ -188,7 +191,7 @@ describe("a file", () => {
     await expect.poll(() => line(page)).toContain("painted.gltf");
     await settled(page);
     // Among the saturated pixels, the shares of red and green: the file's picture and paint have both, ours have neither.
-    const shot = await page.locator(".pane .scene").first().screenshot();
+    const shot = await page.locator(".stage-column .scene").screenshot();
     const [red, green] = await page.evaluate(async (data) => {
       const image = await createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], { type: "image/png" }));
       const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
@@ -202,6 +205,7 @@ describe("a file", () => {
     }, shot.toString("base64"));
     expect(red).toBeGreaterThan(0.005);
     expect(green).toBeGreaterThan(0.005);
+    await panel(page, "beside");
     const beside = async (what: string) => {
       await page.locator(`input[name=beside][value=${what}]`).check({ force: true });
       await page.locator(`[data-says=${what}]`).waitFor();
@@ -247,10 +251,11 @@ describe("a file", () => {
     const { page } = await open();
     await write(page, "sphere(1)");
     await settled(page);
+    await panel(page, "change");
     await page.getByRole("button", { name: "Build levels for one pixel" }).click();
     const slider = page.locator("#distance");
     await slider.waitFor();
-    const shown = () => page.locator(".known .panel", { has: slider }).textContent();
+    const shown = () => page.locator("#panel-change .panel", { has: slider }).textContent();
     await slider.focus();
     await page.keyboard.press("Home");
     await expect.poll(shown).toContain("level 1 of");

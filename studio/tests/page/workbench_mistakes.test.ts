@@ -3,7 +3,7 @@ import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
 import { ROOT, Site, digits, isLong, seriousFindings, settled } from "./site";
-import { PATIENCE, Workbenches, line, small, write } from "./workbench_page";
+import { PATIENCE, Workbenches, line, panel, small, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
 
@@ -34,11 +34,11 @@ test("a typing mistake leaves the previous shape, proved and marked as old", asy
   expect(await certificate(page)).toContain("the last valid shape");
   expect(await certificate(page)).not.toContain("is running");
   expect(await page.locator(".certificate .big.old").textContent()).toMatch(/^off by at most/);
-  expect(await page.locator(".stage-column .outdated").count()).toBe(1);
+  expect(await page.locator(".messages .outdated").count()).toBe(1);
   expect(await page.locator(".fault").textContent()).toContain("Line 1");
   await write(page, "sphere(1)");
   await settled(page);
-  expect([await page.locator(".fault, .outdated").count(), await page.locator(".certificate .big.proved").count()]).toEqual([0, 1]);
+  expect([await page.locator(".fault, .messages .outdated").count(), await page.locator(".certificate .big.proved").count()]).toEqual([0, 1]);
 });
 
 test("an emptied script has no green certificate and nothing to export, with a message", async () => {
@@ -64,15 +64,15 @@ test("a cancelled proof leaves a draft with a message", async () => {
   const { page } = await pages.open();
   await page.locator(".budget input[type=text]").fill("0.0001%");
   await page.keyboard.press("Enter");
-  await page.locator(".certificate .big.draft").waitFor();
-  await page.locator(".certificate").getByRole("button", { name: "Stop" }).click();
+  await page.locator(".status .draft").waitFor();
+  await page.locator(".status").getByRole("button", { name: "Stop" }).click();
   await settled(page);
   expect(await certificate(page)).toContain("its proof failed or was stopped");
 });
 
 /** The page's data on a level: its error in pixels, the distance for one pixel, and the current distance. */
 async function level(page: Page): Promise<{ pixels: number; from: number | null; away: number }> {
-  const panel = page.locator(".known .panel", { has: page.locator("#distance") });
+  const panel = page.locator("#panel-change .panel", { has: page.locator("#distance") });
   const text = (await panel.textContent())!;
   const [, pixels] = /which is at most ([\d.]+) px from here/.exec(text)!;
   const from = /at most one pixel beyond a distance of ([\d.]+)/.exec(text)?.[1];
@@ -82,6 +82,7 @@ async function level(page: Page): Promise<{ pixels: number; from: number | null;
 test("levels show their error in pixels from here, and are built for the current view", async () => {
   // In `make test` the input is small.
   const { page } = await pages.open(isLong ? "workbench.html" : undefined);
+  await panel(page, "change");
   const make = async () => {
     await page.getByRole("button", { name: "Build levels for one pixel" }).click();
     await page.locator("#distance").waitFor();
@@ -110,6 +111,7 @@ test("the view of the worst place does not lead to a hundred times the triangles
   await settled(page);
   const [before, far] = [await digits(page, "triangles"), await distance(page)];
   expect(await page.locator(".budget").textContent()).toContain("from here or farther");
+  await panel(page, "certificate");
   await page.getByRole("button", { name: "Go to the worst place" }).click();
   await settled(page);
   // The eye is nearer than that, and the page says so.

@@ -77,11 +77,19 @@ export class Workbenches {
 export const faults = (errors: readonly string[]) =>
   errors.filter((error) => !error.startsWith("Applying inline style violates"));
 
+/** Opens a panel over the picture, unless it is open. */
+export async function panel(page: Page, name: "input" | "certificate" | "findings" | "beside" | "change" | "export"): Promise<void> {
+  const button = page.locator(`[data-panel="${name}"]`);
+  if ((await button.getAttribute("aria-expanded")) !== "true") await button.click();
+  await page.locator(`#panel-${name}`).waitFor();
+}
+
 /** The command line that the page shows. */
 export const line = (page: Page) => page.locator(".line code").textContent();
 
 /** The script in the editor. */
 export async function write(page: Page, text: string): Promise<void> {
+  await panel(page, "input");
   await page.locator(".cm-content").click();
   await page.keyboard.press("Control+a");
   await page.keyboard.insertText(text);

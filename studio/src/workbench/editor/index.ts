@@ -14,7 +14,7 @@ import { dragging } from "./dragging";
 import { KEYS_ID, help } from "./help";
 import { LiveEdit, difference, steps } from "./live";
 import type { EditorPhrases } from "./phrases";
-import { type EditorError, problemAt, problems, setProblem } from "./problem";
+import { type EditorError, problemAt, problems, setOthers, setProblem } from "./problem";
 import { type FunctionRow, table } from "./table";
 import { look } from "./theme";
 
@@ -44,7 +44,8 @@ export interface ScriptEditor {
   readonly text: string;
   /** Texts with `isDragging` (from a slider of the page) are one step of undo, up to the first without. */
   setText(text: string, isDragging?: boolean): void;
-  setError(error: EditorError | null): void;
+  /** Marks mistakes; the panel below the text shows the first. */
+  setErrors(errors: readonly EditorError[]): void;
   /** Functions to complete and explain, and other words to complete. */
   setTable(table: readonly FunctionRow[], words: readonly string[]): void;
   focus(): void;
@@ -127,8 +128,9 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
       }
       isOfPage = false;
     },
-    setError(error) {
-      view.dispatch({ effects: setProblem.of(error && problemAt(view.state.doc, error)) });
+    setErrors(errors) {
+      const [first, ...others] = errors.map((error) => problemAt(view.state.doc, error));
+      view.dispatch({ effects: [setProblem.of(first ?? null), setOthers.of(others)] });
     },
     setTable(functions, words) {
       const rows = new Map(functions.map((row) => [row.name, row]));

@@ -1,5 +1,5 @@
 // Shows a script's error at its place: underlined text and a marked line number. The panel below shows the message.
-import { type EditorState, type Extension, type Range, RangeSet, StateEffect, StateField, type Text } from "@codemirror/state";
+import { type EditorState, type Extension, type Range, RangeSet, StateEffect, StateField, type Text, type Transaction } from "@codemirror/state";
 import { type Command, Decoration, type DecorationSet, EditorView } from "@codemirror/view";
 import { GutterMarker, gutterLineClass, keymap } from "@codemirror/view";
 
@@ -19,16 +19,28 @@ export interface Problem {
 
 export const setProblem = StateEffect.define<Problem | null>();
 
+/** The mistakes after the first. */
+export const setOthers = StateEffect.define<readonly Problem[]>();
+
+/** Marked in the text only. They move with it, as the first one does. */
+const othersField = StateField.define<readonly Problem[]>({
+  create: () => [],
+  update(others, tr) {
+    for (const effect of tr.effects) if (effect.is(setOthers)) return effect.value;
+    return tr.docChanged ? others.map((problem) => moved(problem, tr)) : others;
+  },
+  provide: (field) => [
+    EditorView.decorations.from(field, (others) => Decoration.set(others.flatMap(marksOf), true)),
+    gutterLineClass.compute([field, "doc"], (state) => RangeSet.of(state.field(field).map(({ from }) => lineMark.range(state.doc.lineAt(from).from)), true)),
+  ],
+});
+
 /** Moves with the text until the page sets the error of the new text. */
 export const problemField = StateField.define<Problem | null>({
   create: () => null,
   update(problem, tr) {
     for (const effect of tr.effects) if (effect.is(setProblem)) return effect.value;
-    if (!problem || !tr.docChanged) return problem;
-    // Towards each other, so that text typed at either end is not underlined.
-    const [from, to] = [tr.changes.mapPos(problem.from, 1), tr.changes.mapPos(problem.to, -1)];
-    // If all of it was replaced, they have crossed.
-    return { ...problem, from: Math.min(from, to), to: Math.max(from, to) };
+    return problem && tr.docChanged ? moved(problem, tr) : problem;
   },
   provide: (field) => [
     EditorView.decorations.from(field, marks),
@@ -40,6 +52,13 @@ export const problemField = StateField.define<Problem | null>({
   ],
 });
 
+function moved(problem: Problem, { changes }: Transaction): Problem {
+  // Towards each other, so that text typed at either end is not underlined.
+  const [from, to] = [changes.mapPos(problem.from, 1), changes.mapPos(problem.to, -1)];
+  // If all of it was replaced, they have crossed.
+  return { ...problem, from: Math.min(from, to), to: Math.max(from, to) };
+}
+
 class LineMark extends GutterMarker {
   override elementClass = "cm-problemLine";
 }
@@ -49,12 +68,10 @@ const underline = Decoration.mark({ class: "cm-problem" });
 /** Marks the line if there is no text to underline, as at the end of a line. */
 const spot = Decoration.line({ class: "cm-problemSpot" });
 
-function marks(problem: Problem | null): DecorationSet {
-  if (!problem) return Decoration.none;
-  const mark: Range<Decoration> =
-    problem.to > problem.from ? underline.range(problem.from, problem.to) : spot.range(problem.from);
-  return Decoration.set([mark]);
-}
+const marksOf = (problem: Problem): Range<Decoration>[] => [
+  problem.to > problem.from ? underline.range(problem.from, problem.to) : spot.range(problem.from),
+];
+const marks = (problem: Problem | null): DecorationSet => (problem ? Decoration.set(marksOf(problem)) : Decoration.none);
 
 const WORD = /^[\p{L}\p{N}_]+/u;
 
@@ -82,13 +99,16 @@ export const problemLine = (state: EditorState): number | null => {
   return problem && state.doc.lineAt(problem.from).number;
 };
 
-/** Moves the cursor to the error. */
+/** Moves the cursor to the first error; from an error to the next. */
 export const goToProblem: Command = (view) => {
-  const problem = view.state.field(problemField);
-  if (!problem) return false;
+  const first = view.state.field(problemField);
+  if (!first) return false;
+  const all = [first, ...view.state.field(othersField)];
+  const at = all.findIndex(({ from }) => from === view.state.selection.main.anchor);
+  const problem = all[(at + 1) % all.length]!;
   view.focus();
   view.dispatch({ selection: { anchor: problem.from }, scrollIntoView: true, userEvent: "select" });
   return true;
 };
 
-export const problems: Extension = [problemField, keymap.of([{ key: "F8", run: goToProblem }])];
+export const problems: Extension = [problemField, othersField, keymap.of([{ key: "F8", run: goToProblem }])];

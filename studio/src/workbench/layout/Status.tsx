@@ -48,6 +48,15 @@ export function Messages({ page }: { page: Page }) {
           <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <span lang="en">{fault.text}</span>
         </p>
       )}
+      {state.moreFaults.length > 0 && (
+        <ul class="more-faults" role="status">
+          {state.moreFaults.map((one, i) => (
+            <li key={i}>
+              <b>{words.atLine(one.line!)}</b> <span lang="en">{one.text}</span>
+            </li>
+          ))}
+        </ul>
+      )}
       {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
       {notice && (
         <p class="note" role="alert">
