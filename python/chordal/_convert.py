@@ -42,6 +42,7 @@ class Convertible(Sourced):
         *,
         quantize: bool = False,
         compress: Literal["meshopt"] | None = None,
+        no_source: bool = False,
         tol: Length | None = None,
         rel: Share | None = None,
         progress: Callable[[str, int, int], object] | None = None,
@@ -54,8 +55,9 @@ class Convertible(Sourced):
 
         An OBJ with materials gets a material library and images next to it, whose names begin like its own; existing files
         with these names are replaced, too. For GLB and glTF, `quantize` rounds positions to 16 bits and attributes to 8 or 16
-        bits, and `compress="meshopt"` compresses the result without loss. For SVG, arcs and rational curves become cubics
-        within `tol` or `rel`. A result of a budget may be computed again for the precision of a format; `progress` is as for
+        bits, and `compress="meshopt"` compresses the result without loss. GLB, glTF and 3MF carry the shape script that they
+        were made from, with its parameters, unless `no_source` is set. For SVG, arcs and rational curves become cubics within
+        `tol` or `rel`. A result of a budget may be computed again for the precision of a format; `progress` is as for
         `Shape.mesh`.
 
         >>> import chordal, tempfile, os
@@ -66,7 +68,7 @@ class Convertible(Sourced):
         True
         """
         extension = extension_of(path, self)
-        packing = options(OUTPUT, quantize=quantize, compress=compress)
+        packing = options(OUTPUT, quantize=quantize, compress=compress, no_source=no_source)
         form = Form(extension, packing, function("progress", progress))
         return write(self._written(form, tol, rel), path)
 
@@ -77,6 +79,7 @@ class Convertible(Sourced):
         *,
         quantize: bool = False,
         compress: Literal["meshopt"] | None = None,
+        no_source: bool = False,
         tol: Length | None = None,
         rel: Share | None = None,
     ) -> bytes:
@@ -84,7 +87,8 @@ class Convertible(Sourced):
 
         Warns with a `UserWarning` if `export` would write further files next to it, as for the materials of an OBJ.
         """
-        written = self._written(Form(format, options(OUTPUT, quantize=quantize, compress=compress)), tol, rel)
+        packing = options(OUTPUT, quantize=quantize, compress=compress, no_source=no_source)
+        written = self._written(Form(format, packing), tol, rel)
         if written.names_files:
             warnings.warn("materials stand in files beside it, which export writes", stacklevel=2)
         return written.write()

@@ -186,6 +186,7 @@ class Levelled(Sourced):
         at: str | None = None,
         quantize: bool = False,
         compress: Literal["meshopt"] | None = None,
+        no_source: bool = False,
         progress: Progress | None = None,
     ) -> Levels:
         """Levels of detail for every distance, each proved against the shape itself and with an error of at most `pixels` on
@@ -198,7 +199,7 @@ class Levelled(Sourced):
 
         For 3D Tiles, `tile_triangles` cuts a finest level with more triangles into tiles; `at` is the place on the Earth, as
         in "47.37,8.54,400"; and `errors` is the kind of geometric error: "scaled", with which the formula of viewers keeps the
-        error in pixels everywhere on the screen, or "plain". `quantize` and `compress` are as for `Mesh.export`.
+        error in pixels everywhere on the screen, or "plain". `quantize`, `compress` and `no_source` are as for `Mesh.export`.
 
         Raises as `Shape.mesh`: `BudgetUnmet` with the levels if the finest is not within its budget. Docs: `docs/lod.md`.
 
@@ -228,7 +229,7 @@ class Levelled(Sourced):
         arguments: _chordal.LodArguments = {
             "options": [*length_options(tol, rel), *given],
             "tiles": tile_triangles is not None,
-            "output": options(OUTPUT, quantize=quantize, compress=compress),
+            "output": options(OUTPUT, quantize=quantize, compress=compress, no_source=no_source),
         }
         levels = _levels_of(self, arguments, function("progress", progress))
         unmet = levels._levels.unmet

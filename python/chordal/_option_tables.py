@@ -22,6 +22,7 @@ READING: Final[dict[str, tuple[str, str]]] = {
 OUTPUT: Final[dict[str, tuple[str, str]]] = {
     "compress": ("compress", "word"),
     "quantize": ("quantize", "flag"),
+    "no_source": ("no-source", "flag"),
 }
 
 REPAIRS: Final[dict[str, tuple[str, str]]] = {

@@ -27,7 +27,7 @@ _JUDGED = (0, 1, 6)
 @keywords_hinted
 def verify(
     path: str | os.PathLike[str] | Shape,
-    against: str | os.PathLike[str] | Shape | Iterable[str | os.PathLike[str] | Shape | Any],
+    against: str | os.PathLike[str] | Shape | Iterable[str | os.PathLike[str] | Shape | Any] = (),
     *,
     certificate: str | os.PathLike[str] | Mapping[str, Any] | None = None,
     options: Mapping[str, str] | None = None,
@@ -36,8 +36,9 @@ def verify(
     """Prove the certificate of a file again, against everything that it was computed from: files, shapes, and meshes of other
     libraries.
 
-    `certificate` is a report, or the file of one, for formats that cannot store it. The verdict is "re-proved", "not
-    re-proved" or "refuted"; every claim has its own verdict. For a mesh that was moved, joined or put in a scene, `against`
+    A file that carries its shape script is proved without `against`: the script is run again. `certificate` is a report, or
+    the file of one, for formats that cannot store it. The verdict is "re-proved", "not re-proved" or "refuted"; every claim
+    has its own verdict. For a mesh that was moved, joined or put in a scene, `against`
     has the mesh before that, and its own inputs. If all inputs are files, the command verifies them in its own process;
     `options` are further options of the command by name, as in `{"surface": "catmull-clark"}`, and `{"effort": "best"}`
     carries every check to its end. `progress` is as for `Shape.mesh`.
@@ -96,7 +97,7 @@ def _by_command(files: _Files, options: Mapping[str, str] | None, tell: Progress
     words += [f"--{name}={value}" for name, value in (options or {}).items()]
     if certificate is not None:
         words += ["--certificate", os.fspath(certificate)]
-    words += ["--against", *(os.fspath(file) for file in against)]
+    words += ["--against", *(os.fspath(file) for file in against)] if against else []
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         try:
             out, error = _output_of(process, tell)

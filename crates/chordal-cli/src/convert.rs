@@ -1,5 +1,6 @@
 //! `chordal convert`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
+use crate::carried;
 use crate::fault::Fault;
 use crate::inspect_text::quoted;
 use crate::load;
@@ -12,7 +13,9 @@ use crate::verb_run::{RunArgs, VerbRun};
 use chordal::budget::advice::Spell;
 use chordal_verbs::options::ConvertOptions;
 use chordal_verbs::report::Report;
-use chordal_verbs::{MeshFailure, Shape, convert_within, needs_mesh, polygons_lose_no_more};
+use chordal_verbs::{
+    MeshFailure, Shape, convert_certified, convert_within, extension, needs_mesh, polygons_lose_no_more,
+};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +31,8 @@ Examples:
   chordal convert quads.obj quads.ply
   chordal convert drawing.json drawing.svg --tol 0.01
   chordal convert samples.npy samples.nrrd
+  chordal convert part.glb part.star
+  chordal convert part.glb part.3mf --keep-certificate
   chordal convert part.obj -o - --to stl > part.stl")]
 pub struct ConvertArgs {
     /// Output file; '-' writes to stdout. -o works as well
@@ -70,9 +75,12 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     // clap requires one of the two.
     let output = args.output.as_ref().or(args.output_option.as_ref());
     let output = output.ok_or_else(|| Fault::usage("no output was given: name a file"))?;
-    let to = writable_format(output, args.options.to)?;
     let output_args = OutputArgs { output: output.clone(), force: args.force, threads: args.threads };
     let run_args = RunArgs { input: &args.input, output: &output_args, console: &args.console };
+    if args.options.to.is_none() && extension(&output.to_string_lossy()) == Some("star") {
+        return carried::write_script(VerbRun::start("convert", run_args)?);
+    }
+    let to = writable_format(output, args.options.to)?;
     let mut run = VerbRun::start("convert", run_args)?;
     let target = run.target()?;
     let form = args.set.form_for(&target, to)?;
@@ -88,13 +96,19 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
         return Err(Fault::usage("--tol is for drawings written as svg: other shapes are converted exactly"));
     }
     let hint = if args.options.length.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };
-    let outcome = match convert_within(input, form, args.options.length, &run.job) {
+    let converted = if args.options.keeps_certificate {
+        convert_certified(input, form, &run.job)
+    } else {
+        convert_within(input, form, args.options.length, &run.job)
+    };
+    let mut outcome = match converted {
         Err(MeshFailure::Usage(why)) => {
             let why = why.spelled(&CommandLine);
             return Err(Fault::usage(format!("{name}: {why}{hint}")));
         }
         converted => run.made(converted)?,
     };
+    args.set.strip(&mut outcome.certificate);
     let place = run.place(&target, outcome.names_files());
     let write_set = |stem: &str| outcome.write_files(stem);
     let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;

@@ -1,5 +1,6 @@
 //! The text of `inspect`: the content of a file, its properties, and the findings with their places, counts
 //! and cures.
+use crate::carried::script_text;
 use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
@@ -41,6 +42,9 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     }
     if let Some(found) = report.inspection().and_then(|inspection| inspection.found.as_ref()) {
         lines.add("certificate", certificate_text(found));
+        for source in found.sources() {
+            lines.add("script", script_text(&source));
+        }
     }
     let findings = report.inspection().and_then(|inspection| inspection.findings.as_ref());
     if valid.is_some() && !has_triangles {

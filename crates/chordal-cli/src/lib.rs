@@ -7,6 +7,7 @@ mod bake;
 mod batch;
 mod beside;
 mod boolean;
+mod carried;
 mod cli;
 mod clock;
 mod console;

@@ -69,8 +69,9 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     args.volume.apply(&mut input.shape)?;
     // The folder is created only after the input was read.
     let output = output.open(args, &input)?;
-    let outcome = run.made(lod(input, &spec, &run.job))?;
+    let mut outcome = run.made(lod(input, &spec, &run.job))?;
     run.keep_best(outcome.unmet.as_ref(), options.keep_best)?;
+    args.set.strip(&mut outcome.certificate);
     let written = output.name();
     let bytes = output.write(args, &outcome, &run)?;
     run.print_notes(&outcome.certificate);

@@ -48,7 +48,8 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let target = run.target()?;
     let form = args.set.form_for(&target, to)?;
     let input = run.read()?;
-    let outcome = run.made(mend(input, &args.repairs.spec(), form, &run.job))?;
+    let mut outcome = run.made(mend(input, &args.repairs.spec(), form, &run.job))?;
+    args.set.strip(&mut outcome.certificate);
     let place = run.place(&target, outcome.names_files());
     let write_set = |stem: &str| outcome.write_files(stem);
     let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;

@@ -112,7 +112,8 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     (round.on_files)(load::files_beside(&args.input, &input).collect());
     args.volume.apply(&mut input.shape)?;
     if let Some(level) = options.level {
-        let outcome = run.made(refine(input, (level, options.normals()), form, &run.job))?;
+        let mut outcome = run.made(refine(input, (level, options.normals()), form, &run.job))?;
+        args.set.strip(&mut outcome.certificate);
         let place = run.place(&target, outcome.names_files());
         let write_set = |stem: &str| outcome.write_files(stem);
         let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;
@@ -140,7 +141,7 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     };
     // The limit is for the work: what is there is written, however long that takes.
     drop(deadline);
-    let outcome = match meshed {
+    let mut outcome = match meshed {
         Err(failure @ MeshFailure::Unmet(_)) => {
             let failure = failure.spelled(&CommandLine);
             let mut fault = Fault::from_failure(&run.name(), &failure);
@@ -156,6 +157,7 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
         }
         meshed => run.made(meshed)?,
     };
+    args.set.strip(&mut outcome.certificate);
     let place = run.place(&target, outcome.names_files());
     let write_set = |stem: &str| outcome.write_files(stem);
     let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;

@@ -1,5 +1,6 @@
 //! `chordal verify`
 use crate::args::{ConsoleArgs, InputArgs};
+use crate::carried;
 use crate::console::{Console, StdoutUse};
 use crate::execution;
 use crate::fault::{Exit, Fault};
@@ -13,7 +14,8 @@ use crate::volume::VolumeArgs;
 use chordal::budget::advice::Spell;
 use chordal_verbs::options::VerifyOptions;
 use chordal_verbs::{
-    ClaimFacts, ClaimVerdict, VerifyReport, inputs_to_verify, n_coarser_levels, verify_levels,
+    ClaimFacts, ClaimVerdict, Input, VerifyReport, carried_sources, inputs_to_verify, n_coarser_levels,
+    verify_levels,
 };
 use clap::Args;
 use serde_json::Value;
@@ -26,11 +28,13 @@ Exit codes: 0 when every claim was re-proved, 1 when one is wrong, 6 when one is
 
 Examples:
   chordal verify teapot.glb --against teapot.bpt
+  chordal verify part.glb
   chordal verify small.glb --against cage.obj smooth.ply grid.nrrd again.ply
   chordal verify part.stl --against part.3mf --certificate report.json --json")]
 pub struct VerifyArgs {
-    /// The source of IN; after several steps also the intermediate files, in any order
-    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
+    /// The source of IN; after several steps also the intermediate files, in any order. A script that IN carries need not
+    /// be given
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     pub against: Vec<PathBuf>,
 
     /// The report that --json printed when IN was written, for formats without a certificate
@@ -81,6 +85,15 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
         source_args.read.from = None;
         against.push(load::read_of_digest(&source_args, is_cage, &job, &console)?);
     }
+    let given_digests: Vec<_> = against.iter().filter_map(Input::sha256).map(str::to_owned).collect();
+    let mut sources = carried_sources(&out);
+    sources.retain(|source| !given_digests.contains(&source.sha256));
+    if against.is_empty() && sources.is_empty() {
+        return Err(Fault::usage(format!(
+            "{name}: it carries no script: name its source with --against FILE"
+        )));
+    }
+    against.extend(carried::run_again(&output_args, &sources, &job, &console)?);
     args.volume.apply_to_all(std::iter::once(&mut out).chain(&mut against).map(|input| &mut input.shape))?;
     let report = verify_levels((&out, &coarser), given.as_ref(), &against, &job)
         .spelled(&CommandLine)

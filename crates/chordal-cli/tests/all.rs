@@ -6,6 +6,7 @@ mod batch;
 mod boolean;
 mod budget;
 mod cage;
+mod carried;
 mod common;
 mod convert;
 mod deviation;

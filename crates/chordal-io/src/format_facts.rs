@@ -233,6 +233,13 @@ impl Format {
         matches!(self, Self::Glb | Self::Gltf)
     }
 
+    /// Whether a file of the format carries the scripts that it was made from, in its certificate. Chosen: the formats in
+    /// which parts are kept and passed on, and whose certificates have no limit of lines.
+    #[must_use]
+    pub fn carries_sources(self) -> bool {
+        self.is_gltf() || self == Self::ThreeMf
+    }
+
     /// How a file of the format arranges its vertices.
     #[must_use]
     pub fn vertex_rows(self) -> VertexRows {

@@ -33,7 +33,7 @@ pub(crate) fn convert(
     length: Option<(String, String)>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Conversion> {
-    let form = form_of(py, format, &options)?;
+    let (form, output) = form_of(py, format, &options)?;
     let length = length.map(|(name, text)| {
         text.parse::<Length>().map_err(|error| failure::budget(py, &format!("{name}: {error}")))
     });
@@ -42,7 +42,8 @@ pub(crate) fn convert(
     let listener = ProgressListener::new(progress, "convert");
     let outcome =
         work::run(py, listener, move |job| convert_within(Input::clone(&named.input), form, length, job))?;
-    let outcome = outcome.map_err(|error| failure::mesh(py, error))?;
+    let mut outcome = outcome.map_err(|error| failure::mesh(py, error))?;
+    output.strip(&mut outcome.certificate);
     let certificate = outcome.certificate.clone().spelled(&Keywords);
     let name = source.named_input().name;
     Ok(Conversion { outcome: Arc::new(outcome.spelled(&CommandLine)), certificate, name })

@@ -27,11 +27,12 @@ pub(crate) struct LodArguments {
 }
 
 impl LodArguments {
-    fn spec(&self, py: Python<'_>) -> PyResult<LodSpec> {
+    fn spec(&self, py: Python<'_>) -> PyResult<(LodSpec, OutputOptions)> {
         let options: LodOptions = request(py, &self.options)?;
         let container = if self.tiles { LodContainer::Tiles } else { LodContainer::OneFile };
         let output: OutputOptions = request(py, &self.output)?;
-        options.spec(container, output.packing).map_err(|why| mismatch(py, why))
+        let spec = options.spec(container, output.packing).map_err(|why| mismatch(py, why))?;
+        Ok((spec, output))
     }
 }
 
@@ -53,12 +54,13 @@ pub(crate) fn levels(
     arguments: LodArguments,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Levels> {
-    let spec = arguments.spec(py)?;
+    let (spec, output) = arguments.spec(py)?;
     let named = source.named_input();
     let outcome = work::run(py, ProgressListener::new(progress, "lod"), move |job| {
         lod(Input::clone(&named.input), &spec, job)
     })?;
-    let outcome = outcome.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
+    let mut outcome = outcome.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
+    output.strip(&mut outcome.certificate);
     let certificate = outcome.certificate.clone().spelled(&Keywords);
     let unmet = outcome.unmet.clone().map(|why| why.spelled(&Keywords).to_string());
     let outcome = Arc::new(outcome.spelled(&CommandLine));

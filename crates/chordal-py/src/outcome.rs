@@ -226,11 +226,17 @@ impl Outcome {
         options: GivenOptions,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let form = form_of(py, format, &options)?;
-        if form == self.form {
-            return Ok(Self { order: self.order.clone(), form, run: self.run.clone() });
+        let (form, options) = form_of(py, format, &options)?;
+        let mut made = if form == self.form {
+            Self { order: self.order.clone(), form, run: self.run.clone() }
+        } else {
+            Self::new(py, self.order.clone(), form, progress)?
+        };
+        if options.leaves_out_sources {
+            options.strip(&mut made.run.certificate);
+            options.strip(&mut Arc::make_mut(&mut made.run.outcome).certificate);
         }
-        Self::new(py, self.order.clone(), form, progress)
+        Ok(made)
     }
 
     /// The bytes of a file of the format that it was made for.
@@ -259,11 +265,16 @@ impl Outcome {
     }
 }
 
-/// A format with the options of its file.
-pub(crate) fn form_of(py: Python<'_>, format: &str, options: &GivenOptions) -> PyResult<OutputForm> {
+/// A format with the options of its file, and all of these options.
+pub(crate) fn form_of(
+    py: Python<'_>,
+    format: &str,
+    options: &GivenOptions,
+) -> PyResult<(OutputForm, OutputOptions)> {
     let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
     let options: OutputOptions = request(py, options)?;
-    options.form(to).map_err(|why| PyValueError::new_err(why.spelled(&Keywords).to_string()))
+    let form = options.form(to).map_err(|why| PyValueError::new_err(why.spelled(&Keywords).to_string()))?;
+    Ok((form, options))
 }
 
 /// A file and the files that it references, for Python.

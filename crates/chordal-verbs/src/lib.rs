@@ -51,10 +51,12 @@ pub use chordal::mend::nesting::NestedShells;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
 pub use convert::{
-    ConvertOutcome, ConvertedShape, convert, convert_within, needs_mesh, polygons_lose_no_more, written_names,
+    ConvertOutcome, ConvertedShape, convert, convert_certified, convert_within, needs_mesh,
+    polygons_lose_no_more, written_names,
 };
 pub use deviation::{DeviationSpec, deviation};
 pub use failure::MeshFailure;
+pub use input::carried::{carried_sources, load_carried};
 pub use input::drawing_to_field::drawing_to_field;
 pub use input::file_extension::extension;
 pub use input::implicit::{ImplicitShape, LineShape, Parameter, ShapeBody, ShapeLine};

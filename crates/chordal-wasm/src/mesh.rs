@@ -35,7 +35,10 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
         sampled.surface = surface;
     }
     match mesh_verb(input, &options.spec, options.to, &Job::default()) {
-        Ok(outcome) => mesh_outcome(outcome),
+        Ok(mut outcome) => {
+            options.output.strip(&mut outcome.certificate);
+            mesh_outcome(outcome)
+        }
         Err(failure) => {
             let (exit, sentence) = (failure.exit_code(), failure.to_string());
             match failure {

@@ -13,6 +13,7 @@ pub(crate) struct MeshCall {
     pub name: Option<String>,
     pub read: ReadOptions,
     pub to: OutputForm,
+    pub output: OutputOptions,
     pub spec: BudgetSpec,
     pub keep_best: bool,
     /// The options for the surface of a volume, if any is given.
@@ -65,6 +66,7 @@ impl MeshCall {
             name: reader.text("name")?,
             read: reader.request()?.unwrap_or_default(),
             to,
+            output,
             spec,
             keep_best: options.keep_best,
             surface: reader.request()?,

@@ -72,6 +72,7 @@ pub fn mesh_boolean(
     let mut bounds = first.shape.bounds()?;
     for other in &others {
         bounds = bounds.union(other.input.shape.bounds()?);
+        certificate.add_sources_of(&other.input);
         check_frames(&first, other, &mut certificate.notes)?;
     }
     let request = MeshRequest::new(budget, form, bounds);

@@ -6,6 +6,7 @@ use crate::provenance::composed::Composed;
 use crate::provenance::digest::sha256;
 use crate::provenance::field_digest::field_digest;
 use crate::provenance::geometry_digest::geometry_digest;
+use crate::report::{SourceFacts, SourceFileFacts};
 use crate::{Shape, formats};
 use chordal::Job;
 use chordal::budget::advice::{Message, Setting};
@@ -14,6 +15,7 @@ use chordal_io::font::{Letters, read_letters};
 use chordal_io::{
     FileLocation, FileOpener, ForeignFormat, Format, Limits, PolygonSurface, ReadError, Warning,
 };
+use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 /// How to determine the format of some bytes, and options for reading them.
@@ -67,6 +69,8 @@ pub struct Input {
     pub warnings: Vec<Warning>,
     /// The inputs that it was put together from, for triangles that were never a file.
     pub composed: Option<Arc<Composed>>,
+    /// The script, if it is one and not too long to be carried by files that are made from it.
+    pub source: Option<Arc<SourceFacts>>,
 }
 
 impl Input {
@@ -82,6 +86,7 @@ impl Input {
             files: Vec::new(),
             warnings: Vec::new(),
             composed: None,
+            source: None,
         }
     }
 
@@ -196,6 +201,7 @@ fn load_from(
         return Err(ReadError::new("no-font", FileLocation::File, message));
     }
     let mut files: Vec<InputFile> = Vec::new();
+    let mut scripts = BTreeMap::new();
     let mut open = open.map(|open| {
         |name: &str| {
             let path =
@@ -205,6 +211,9 @@ fn load_from(
             // A file that is named several times is one file of the input.
             if files.iter().all(|file| file.path != path) {
                 let n_bytes = bytes.len() as u64;
+                if format.is_script() && extension(path).and_then(Format::from_extension) == Some(format) {
+                    scripts.insert(path.to_owned(), String::from_utf8_lossy(&bytes).into_owned());
+                }
                 files.push(InputFile { path: path.to_owned(), n_bytes, sha256: sha256(&bytes) });
             }
             Ok(bytes)
@@ -235,16 +244,47 @@ fn load_from(
         }
     }
     let letters = hint.letters.cloned();
+    let sha256 = sha256(bytes);
+    // A packed script has another digest than its text.
+    let is_plain_script = format.is_script() && content.len() == bytes.len();
+    let source = is_plain_script.then(|| source_facts((bytes, &sha256), hint, &files, scripts)).flatten();
     Ok(Input {
         shape,
         format,
         letters,
         n_bytes: bytes.len() as u64,
-        digest: sha256(bytes).into(),
+        digest: sha256.into(),
         files,
         warnings,
         composed: None,
+        source: source.map(Arc::new),
     })
+}
+
+/// The facts of a script that was just run; `scripts` are the texts of those that it loads, by path. `None` if they are longer
+/// than a file carries.
+fn source_facts(
+    (bytes, sha256): (&[u8], &str),
+    hint: FormatHint<'_>,
+    files: &[InputFile],
+    mut scripts: BTreeMap<String, String>,
+) -> Option<SourceFacts> {
+    /// The name of a script that was never a file.
+    const UNNAMED: &str = "script.star";
+    let base_name = hint.name.and_then(|name| name.rsplit(['/', '\\']).next());
+    let facts = |file: &InputFile| SourceFileFacts {
+        path: file.path.clone(),
+        sha256: file.sha256.clone(),
+        text: scripts.remove(&file.path),
+    };
+    let source = SourceFacts {
+        name: base_name.filter(|name| !name.is_empty()).unwrap_or(UNNAMED).to_owned(),
+        sha256: sha256.to_owned(),
+        text: String::from_utf8(bytes.to_vec()).ok()?,
+        parameters: hint.set.iter().cloned().collect(),
+        files: files.iter().map(facts).collect(),
+    };
+    source.fits().then_some(source)
 }
 
 /// Only OBJ and USD keep polygons; triangles of other formats are faceted anyway.

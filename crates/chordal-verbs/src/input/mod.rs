@@ -1,4 +1,5 @@
 //! Shapes as they are read: from files, scripts, drawings, lattices of heights.
+pub(crate) mod carried;
 pub(crate) mod drawing_regions;
 pub(crate) mod drawing_to_field;
 pub(crate) mod file_extension;

@@ -5,7 +5,7 @@ use super::outcome::LodLayout;
 use super::scene_levels::{SceneLevel, SceneLevels};
 use crate::provenance::geometry_digest::written_digest;
 use crate::provenance::seal::{SEAL, seal_of};
-use crate::report::{BoundFacts, Certificate, LevelFacts};
+use crate::report::{BoundFacts, Certificate, LevelFacts, to_value};
 use crate::scene::placements;
 use chordal::budget::Bound;
 use chordal::lod::selection::SwitchDistances;
@@ -53,6 +53,12 @@ impl LodOutcome {
             extras_of(&self.certificate, &level.bound, counts, facts.geometry.clone())
         };
         let mut level_extras: Vec<Value> = levels.levels.iter().zip(level_facts).map(extras).collect();
+        let sources = &self.certificate.sources;
+        if let Some(first) = level_extras.first_mut().filter(|_| !sources.is_empty()) {
+            // The finest level stands for the file: the scripts are in it once.
+            first["sources"] = to_value(sources);
+            first[SEAL] = seal_of(first).into();
+        }
         let is_single = level_extras.len() == 1 && levels.coarser.iter().all(Vec::is_empty);
         let certificate = if is_single { level_extras.remove(0) } else { json!({ "levels": level_extras }) };
         Ok((levels, self.coverages(levels), certificate))

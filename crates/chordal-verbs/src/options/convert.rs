@@ -11,6 +11,8 @@ pub struct ConvertOptions {
     pub to: Option<Format>,
     /// The largest distance to curves that the format does not hold.
     pub length: Option<Length>,
+    /// Whether the file gets the certificate of the input, which then has to hold for it.
+    pub keeps_certificate: bool,
 }
 
 impl OptionTable for ConvertOptions {
@@ -25,5 +27,16 @@ impl OptionTable for ConvertOptions {
             |options, text| store_some(&mut options.length, length(text)),
         )
         .under(OptionSection::Output),
+        OptionRow::<Self>::flag(
+            "keep-certificate",
+            "For triangles whose coordinates stay as they are: give the output the certificate of the input, instead of adding \
+             a step to its history",
+            |options, _| {
+                options.keeps_certificate = true;
+                Ok(())
+            },
+        )
+        .under(OptionSection::Output)
+        .without_keyword(),
     ];
 }

@@ -3,6 +3,7 @@ use super::values::word;
 use super::{OptionRow, OptionSection, OptionTable, OptionValues, store};
 use crate::OutputForm;
 use crate::formats::extensions_where;
+use crate::report::Certificate;
 use chordal::budget::advice::{Message, Setting};
 use chordal_io::Format;
 use chordal_io::glb::GltfPacking;
@@ -14,9 +15,18 @@ pub struct OutputOptions {
     pub is_separate: bool,
     /// How a glTF stores its numbers.
     pub packing: GltfPacking,
+    /// Whether the scripts that a file was made from are left out of it.
+    pub leaves_out_sources: bool,
 }
 
 impl OutputOptions {
+    /// Removes from the certificate of a result what its file is not to carry.
+    pub fn strip(&self, certificate: &mut Certificate) {
+        if self.leaves_out_sources {
+            certificate.leave_out_sources();
+        }
+    }
+
     /// A file of a format, written so.
     ///
     /// # Errors
@@ -62,6 +72,16 @@ impl OptionTable for OutputOptions {
              that readers must support. The bound includes the rounding",
             |options, _| {
                 options.packing.is_quantized = true;
+                Ok(())
+            },
+        )
+        .under(OptionSection::Output),
+        OptionRow::<Self>::flag(
+            "no-source",
+            "For .glb, .gltf and .3mf: leave out the text and the parameters of the shape script, which the file otherwise \
+             carries",
+            |options, _| {
+                options.leaves_out_sources = true;
                 Ok(())
             },
         )

@@ -171,7 +171,7 @@ pub fn made_of(input: &Input, kind: &str, bound: &Bound) -> Result<Composed, Wri
 /// ```
 #[must_use]
 pub fn history_of(input: &Input) -> HistoryFacts {
-    let InputOrigin { steps, begins, composed } = InputOrigin::from_input(input);
+    let InputOrigin { steps, begins, composed, .. } = InputOrigin::from_input(input);
     let mut history = HistoryFacts::new(begins, steps);
     if let Some(composed) = composed {
         history.total = composed.facts().bound().as_ref().map(StepBound::new);

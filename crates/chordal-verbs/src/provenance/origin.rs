@@ -2,8 +2,9 @@
 use super::composed::Composed;
 use super::geometry_digest::digest_in_frame;
 use super::seal::seal_of;
+use crate::input::carried::carried_sources;
 use crate::input::volume::reaches_border;
-use crate::report::{HistoryFacts, HistoryStart, StepFacts};
+use crate::report::{HistoryFacts, HistoryStart, SourceFacts, StepFacts};
 use crate::{Input, Shape};
 use chordal::convert::Inside;
 use chordal_io::{Axis, Frame};
@@ -19,6 +20,8 @@ pub(crate) struct InputOrigin {
     pub begins: HistoryStart,
     /// The inputs that the input was put together from, with their histories.
     pub composed: Option<Arc<Composed>>,
+    /// The scripts that it was made from: the input itself, or those that its file carries.
+    pub sources: Vec<SourceFacts>,
 }
 
 impl InputOrigin {
@@ -27,11 +30,17 @@ impl InputOrigin {
         if let Some(composed) = &input.composed {
             let reason = "the input was put together from parts, which have histories of their own";
             let begins = HistoryStart::new("composed", reason);
-            return Self { steps: Vec::new(), begins, composed: Some(Arc::clone(composed)) };
+            let composed = Some(Arc::clone(composed));
+            return Self { steps: Vec::new(), begins, composed, sources: Vec::new() };
         }
         match history_of(input) {
-            Ok(HistoryFacts { begins, steps, .. }) => Self { steps, begins, composed: None },
-            Err(begins) => Self { steps: Vec::new(), begins, composed: None },
+            Ok(HistoryFacts { begins, steps, .. }) => {
+                Self { steps, begins, composed: None, sources: carried_sources(input) }
+            }
+            Err(begins) => {
+                let sources = input.source.as_deref().cloned().into_iter().collect();
+                Self { steps: Vec::new(), begins, composed: None, sources }
+            }
         }
     }
 }

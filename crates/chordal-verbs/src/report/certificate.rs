@@ -3,11 +3,11 @@ use super::history::gap;
 use super::message_text::message_texts;
 use super::verb_facts::VerbFacts;
 use super::{
-    BoundFacts, BudgetFacts, FrameFacts, HistoryFacts, HistoryStart, InputFacts, Output, StepBound,
-    StepFacts, StepOutput, ValidityFacts, to_value,
+    BoundFacts, BudgetFacts, FrameFacts, HistoryFacts, HistoryStart, InputFacts, Output, SourceFacts,
+    StepBound, StepFacts, StepOutput, ValidityFacts, to_value,
 };
 use crate::provenance::origin::InputOrigin;
-use crate::provenance::seal::seal_of;
+use crate::provenance::seal::{SEAL, seal_of};
 use crate::{Input, Shape};
 use chordal::budget::advice::{Cure, Message, Setting};
 use chordal_io::{BENT_POLYGONS, Format, most_certificate_bytes};
@@ -40,12 +40,20 @@ pub struct Certificate {
     /// The facts of the verb that builds the result.
     #[serde(flatten)]
     pub verb: VerbFacts,
+    /// The scripts at the beginning of the history, as the file carries them; a front end that is told to leave them out
+    /// clears this.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sources: Vec<SourceFacts>,
     /// The steps from the first input to this result; only for results that can be written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<HistoryFacts>,
     /// Further notes for the reader, in sentences.
     #[serde(serialize_with = "message_texts")]
     pub notes: Vec<Message>,
+    /// The certificate that stands for this one in the file and in the report: that of the input, if its triangles were only
+    /// written in another format.
+    #[serde(skip)]
+    pub(crate) kept: Option<Value>,
     /// The notes on why triangles are left that the budget seems to allow to remove; front ends show them by default.
     #[serde(skip)]
     pub stayed: Vec<Message>,
@@ -68,8 +76,10 @@ impl Certificate {
             output: None,
             valid: None,
             verb: VerbFacts::Mesh {},
+            sources: Vec::new(),
             history: None,
             notes: assumed_region(input).into_iter().chain(bent_polygons(input)).collect(),
+            kept: None,
             stayed: Vec::new(),
             warned: Vec::new(),
         }
@@ -118,7 +128,33 @@ impl Certificate {
             }
         }
         steps.push(step);
-        self.history = Some(HistoryFacts::new(begins, steps));
+        let history = HistoryFacts::new(begins, steps);
+        if format.carries_sources() {
+            // A history that had to begin anew has no script any more.
+            let digests: Vec<_> =
+                history.inputs().into_iter().filter_map(|input| input.sha256.clone()).collect();
+            let is_input = |source: &&SourceFacts| digests.contains(&source.sha256);
+            self.sources = self.origin.sources.iter().filter(is_input).cloned().collect();
+        }
+        self.history = Some(history);
+    }
+
+    /// Removes the scripts, so that the file carries none.
+    pub fn leave_out_sources(&mut self) {
+        self.sources.clear();
+        let Some(kept) = &mut self.kept else { return };
+        if kept.as_object_mut().is_some_and(|facts| facts.remove("sources").is_some()) {
+            kept[SEAL] = seal_of(kept).into();
+        }
+    }
+
+    /// Adds the scripts of another operand, so that the file carries them as well.
+    pub(crate) fn add_sources_of(&mut self, input: &Input) {
+        for source in InputOrigin::from_input(input).sources {
+            if !self.origin.sources.contains(&source) {
+                self.origin.sources.push(source);
+            }
+        }
     }
 
     /// Whether the certificate of the input is for the geometry that was read, so that its history can be continued.
@@ -147,6 +183,9 @@ impl Certificate {
 
 impl Serialize for Certificate {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if let Some(kept) = &self.kept {
+            return kept.serialize(serializer);
+        }
         if self.history.is_none() {
             return Self::serialize(self, serializer);
         }

@@ -1,7 +1,7 @@
 //! The description of an input in the report; only from `inspect`.
 use super::{
     CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, NurbsEdgeFacts, PathJoinFacts,
-    SurfaceEdgeFacts, TriangleFacts, VolumeFacts, to_value,
+    SourceFacts, SurfaceEdgeFacts, TriangleFacts, VolumeFacts, sources_in, to_value,
 };
 use crate::output::file_rows::rows_of;
 use crate::{Input, Shape};
@@ -238,6 +238,12 @@ fn rows(mesh: &Mesh, format: Format) -> (usize, Cow<'_, [[u32; 3]]>) {
 }
 
 impl EmbeddedCertificate {
+    /// The scripts that the file carries.
+    #[must_use]
+    pub fn sources(&self) -> Vec<SourceFacts> {
+        sources_in(&self.certificate)
+    }
+
     fn new(certificate: Value, counted: &Certificate) -> Self {
         let recounted = [("/output", to_value(&counted.output)), ("/valid", to_value(&counted.valid))];
         let mut differs = Vec::new();

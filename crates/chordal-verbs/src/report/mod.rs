@@ -25,6 +25,7 @@ mod part_check;
 mod repairs;
 mod scene_check;
 mod smoothing;
+mod source;
 mod surface;
 mod surface_edges;
 mod validity;
@@ -60,6 +61,8 @@ use part_check::witness_facts;
 pub(crate) use part_check::{CheckDepth, CountError};
 pub use repairs::{ChangeFacts, RepairFacts};
 pub use smoothing::SmoothingFacts;
+pub(crate) use source::sources_in;
+pub use source::{SourceFacts, SourceFileFacts};
 pub use surface::{ComponentFacts, MOST_COMPONENTS, OpenSeamFacts, SurfaceFacts};
 pub use surface_edges::{
     EdgeFacts, EdgeMaximumFacts, GeometricEdgeCounts, MOST_EDGES, ParametricEdgeCounts, SurfaceEdgeFacts,

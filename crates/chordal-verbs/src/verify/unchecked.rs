@@ -7,7 +7,7 @@ const CHECKED: [&str; 9] =
     ["input", "frame", "bound", "output", "valid", "attributes", "baked", "history", "seal"];
 
 /// Facts about how a result was built, and not about the result itself: they are not checked.
-const ORIGIN_FACTS: [&str; 10] = [
+const ORIGIN_FACTS: [&str; 11] = [
     "version",
     "budget",
     "notes",
@@ -18,6 +18,7 @@ const ORIGIN_FACTS: [&str; 10] = [
     "refined",
     "overshade",
     "levels",
+    "sources",
 ];
 
 /// Parts of the other facts that are not checked.
