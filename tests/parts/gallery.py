@@ -13,6 +13,7 @@ import math
 import shlex
 import subprocess
 import tempfile
+from itertools import zip_longest
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent
@@ -68,6 +69,7 @@ OTHERS = {
     "cube": "render examples/cube.obj --show wire --tol 1%",
     "zebra": "render examples/cube.obj --show zebra",
     "overshade": "render examples/teapot.bpt --show overshade --cull back",
+    "sponge": "render examples/sponge.star",
 }
 TAIL = """
 ## Other pictures of these pages
@@ -115,7 +117,7 @@ def entry(program: str, name: str, words: str) -> str:
 
 def table(cells: list[str]) -> str:
     """Two cells a row."""
-    rows = [f"| {a} | {b} |\n" for a, b in zip(cells[::2], cells[1::2], strict=True)]
+    rows = [f"| {a} | {b} |\n" for a, b in zip_longest(cells[::2], cells[1::2], fillvalue="")]
     return "| | |\n|---|---|\n" + "".join(rows)
 
 
