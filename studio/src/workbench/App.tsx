@@ -21,6 +21,7 @@ import { Steps } from "./Steps";
 import { Beside, type Covered, Stage } from "./Stage";
 import { gridStep } from "./stage/ground";
 import { unitOf } from "./stage/unit";
+import { Touching } from "./Touching";
 import { type Language, TEXTS } from "./texts";
 import { facesOf, siteAt } from "./trace/faces";
 import type { CallSite } from "./trace/shadow";
@@ -172,6 +173,7 @@ export function App({ language, state, control }: Props) {
         </Panel>
         <Panel name="certificate" language={language} control={layout}>
           <Certificate page={page} mark={setMarked} />
+          <Touching page={page} mark={setMarked} />
         </Panel>
         {findings && (
           <Panel name="findings" language={language} control={layout}>

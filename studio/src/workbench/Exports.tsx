@@ -3,11 +3,12 @@ import { useState } from "preact/hooks";
 import { Choice } from "../view/parts";
 import { Working } from "./Certificate";
 import type { Files } from "./command";
-import { type Line, NO_SCREEN, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
+import { NO_SCREEN, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
+import { MESH_FORMATS, exportLine, exportMesh } from "./exports";
 import { isBroken } from "./outdated";
+import { PANEL_TEXTS } from "./panel_texts";
 import type { Page } from "./words";
 
-const MESHES = ["glb", "3mf", "stl", "ply", "obj"] as const;
 const LANGUAGES = ["shell", "python", "rust"] as const;
 
 /** Long enough for a browser to start the download. */
@@ -21,25 +22,26 @@ export function Exports({ page }: { page: Page }) {
   const output = `${stem(bench.name)}.glb`;
   const line = control?.line(output) ?? meshLine(bench, NO_SCREEN, output);
   const screen = control?.screen ?? NO_SCREEN;
-  const name = line.at(-1)!;
+  const shownName = line.at(-1)!;
   const text =
-    language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, name) : rust(bench, screen, name);
+    language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, shownName) : rust(bench, screen, shownName);
   // If the command cannot read the input, it cannot write a file either; the certificate shows the error.
   const isDisabled = isBroken(state);
-  const save = (line: Line, archiveName?: string) =>
-    void control?.export(line).then((files) => files && saveAll(files, archiveName).catch(() => control.say("trapped")));
+  const save = (made: Promise<Files | null>, archiveName?: string) =>
+    void made.then((files) => files && saveAll(files, archiveName).catch(() => control?.say("trapped")));
+  const name = stem(bench.name);
   return (
     <section class="export">
       <div class="panel">
         <h2>{words.export}</h2>
         <div class="row tight">
-          {MESHES.map((format) => (
+          {MESH_FORMATS.map((format) => (
             <button
               type="button"
               key={format}
               data-export={format}
               disabled={isDisabled}
-              onClick={() => save(control!.line(`${stem(bench.name)}.${format}`))}
+              onClick={() => save(exportMesh(control!, format))}
             >
               {format.toUpperCase()}
             </button>
@@ -48,7 +50,7 @@ export function Exports({ page }: { page: Page }) {
             type="button"
             data-export="tiles"
             disabled={isDisabled}
-            onClick={() => save(["lod", ...reading(bench), "--px", "1", "-o", "tiles/"], `${stem(bench.name)}-tiles.zip`)}
+            onClick={() => save(exportLine(control!, ["lod", ...reading(bench), "--px", "1", "-o", "tiles/"], `${name}-tiles.zip`), `${name}-tiles.zip`)}
           >
             3D Tiles (.zip)
           </button>
@@ -57,7 +59,7 @@ export function Exports({ page }: { page: Page }) {
               type="button"
               data-export="svg"
               disabled={isDisabled}
-              onClick={() => save(["convert", ...reading(bench), `${stem(bench.name)}-out.svg`])}
+              onClick={() => save(exportLine(control!, ["convert", ...reading(bench), `${name}-out.svg`], `${name}-out.svg`))}
             >
               SVG
             </button>
@@ -66,13 +68,13 @@ export function Exports({ page }: { page: Page }) {
             type="button"
             data-export="png"
             disabled={isDisabled}
-            onClick={() => save(control!.pictureLine())}
+            onClick={() => save(exportLine(control!, control!.pictureLine(), `${name}.png`))}
           >
             PNG
           </button>
         </div>
-        <p class="aside">{isDisabled ? words.noExport : words.exportHint}</p>
-        <Working page={page} lanes={["export"]} />
+        {isDisabled ? <p class="aside">{words.noExport}</p> : <Written page={page} />}
+        <Working page={page} lanes={state.exported?.state === "waiting" ? ["export", "proof"] : ["export"]} />
       </div>
       <div class="panel line">
         <Choice
@@ -102,6 +104,22 @@ export function Exports({ page }: { page: Page }) {
   );
 }
 
+/** What exports are, and what became of the latest one. */
+function Written({ page }: { page: Page }) {
+  const { say, state, language } = page;
+  const words = PANEL_TEXTS[language];
+  const { exported } = state;
+  if (!exported) return <p class="aside">{words.exportHint}</p>;
+  const { name } = exported;
+  if (exported.state === "waiting") return <p role="status">{words.exportWaiting(name)}</p>;
+  if (exported.state === "written") return <p role="status">{words.exportWritten(name, say.bytes(exported.bytes))}</p>;
+  return (
+    <p class="fault" role="alert">
+      <b>{words.exportFailed(name)}</b> {exported.fault ? <span lang="en">{exported.fault.text}</span> : words.exportNoProof}
+    </p>
+  );
+}
+
 /** Saves one file as it is, several or those of a folder in an archive. Rejects if the archive does not fit into memory. */
 async function saveAll(files: Files, archiveName?: string): Promise<void> {
   const names = Object.keys(files);
@@ -113,7 +131,7 @@ async function saveAll(files: Files, archiveName?: string): Promise<void> {
       worker.onerror = reject;
       worker.postMessage(files);
     });
-    save(archiveName ?? "files.zip", bytes);
+    save(archiveName ?? `${stem(names[0]!)}.zip`, bytes);
   } finally {
     worker.terminate();
   }

@@ -1,10 +1,12 @@
 // The inputs of the bench: a script or a file, its parameters, its options, and the error budget.
 import { useRef } from "preact/hooks";
 import { Choice, Slider } from "../view/parts";
-import { EXAMPLES, example } from "./examples";
+import { Asks } from "./Asks";
+import { CarriedNote } from "./Carried";
 import { type Bench, type BudgetKind, isScript, viewText } from "./document";
 import { LAYOUT_TEXTS } from "./layout/texts";
 import { Script } from "./Script";
+import { ShelfBar } from "./Shelf";
 import type { Page } from "./words";
 
 const KINDS: readonly BudgetKind[] = ["tol", "px", "triangles"];
@@ -20,26 +22,9 @@ export function Inputs({ page }: { page: Page }) {
   const picker = useRef<HTMLInputElement>(null);
   return (
     <section class="inputs" aria-label={words.file}>
+      <ShelfBar page={page} />
+      <CarriedNote page={page} />
       <div class="row tight">
-        <label class="field">
-          <span class="spoken">{words.example}</span>
-          <select
-            value={EXAMPLES.find((name) => `${name}.star` === bench.name) ?? ""}
-            onChange={(event) => {
-              const name = EXAMPLES.find((other) => other === event.currentTarget.value);
-              if (name) control?.put(example(name));
-            }}
-          >
-            <option value="" hidden>
-              {words.ownFile}
-            </option>
-            {EXAMPLES.map((name) => (
-              <option key={name} value={name}>
-                {words.examples[name]}
-              </option>
-            ))}
-          </select>
-        </label>
         <button type="button" onClick={() => picker.current?.click()}>
           {words.open}
         </button>
@@ -69,6 +54,7 @@ export function Inputs({ page }: { page: Page }) {
           <b>{bench.name}</b> · {say.bytes(bench.files[bench.name]?.length ?? 0)}
         </p>
       )}
+      <Asks page={page} />
       <Printed page={page} />
       <Parameters page={page} />
       <BudgetBar page={page} />

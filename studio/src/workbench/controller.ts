@@ -1,4 +1,5 @@
 // Holds the state of the workbench, starts runs of the command, and notifies the view. It computes nothing itself.
+// Long because whatever starts or ends a run depends on all the others.
 import type { Size, Vec3, View } from "../viewer";
 import { fovOf } from "../viewer/view";
 import type { Files, Outcome, Progress } from "./command";
@@ -17,7 +18,9 @@ import {
   withText,
   without,
 } from "./document";
+import { carriedBy, verifyCarried } from "./carried";
 import type { FunctionRow } from "./editor";
+import { KEEP_BEST } from "./exports";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, withPictures } from "./glb";
 import { MOST_FAULTS, inScript, isMendable, withoutFault } from "./faults";
 import { type Jobs, Stopped } from "./jobs";
@@ -27,6 +30,7 @@ import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
 import type { Trace } from "./trace/faces";
 import { shadowOf } from "./trace/shadow";
+import type { Shelf } from "./shelf";
 import type { LaneName, Notice, Running, Shown, State } from "./state";
 
 /** A part of docs/schema/language.schema.json. */
@@ -53,11 +57,8 @@ const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
 const LEFT_AFTER = { seconds: 2, percent: 3 };
 /** A mesh file of more bytes is shown as it is before its own mesh is made. Chosen: a smaller one takes less than a second. */
 const SHOWN_FIRST = 1e6;
-/** Exit codes of the command: an unknown option, and a budget that was not met. */
+/** Exit code of the command: an unknown option. */
 const USAGE = 2;
-const UNMET = 5;
-/** With this option the command writes the best mesh even if it misses the budget. */
-const KEEP_BEST = "--keep-best";
 /** The largest total size of opened files. Chosen: a browser holds several copies of them in memory. */
 const MOST_BYTES = 600e6;
 /** The initial distance from the centre of the box to the eye, in diagonals. */
@@ -73,6 +74,8 @@ export class Controller {
   private timers = new Map<string, ReturnType<typeof setTimeout>>();
   private framed: { name: string; up: string | null } | null = null;
   state: State;
+  /** The scripts that this browser keeps; `null` while pages are written. */
+  shelf: Shelf | null = null;
 
   constructor(
     private readonly jobs: Jobs<LaneName>,
@@ -99,6 +102,8 @@ export class Controller {
       home: HOME,
       size: { width: 720, height: 480 },
       notice: null,
+      exported: null,
+      carried: null,
       link: null,
       isWaiting: false,
       ended: null,
@@ -161,7 +166,7 @@ export class Controller {
   }
 
   /** Renames an output that would overwrite an input. */
-  private outputOf(output: string): string {
+  outputOf(output: string): string {
     const { files } = this.state.bench;
     return output in files ? output.replace(/(\.[^.]*)$/, "-out$1") : output;
   }
@@ -179,6 +184,20 @@ export class Controller {
   private dragged = false;
   private isTyping = false;
   private lastTyped = -Infinity;
+
+  /** The same shape under another name, as when it is put on the shelf: what is known of it stays, and nothing runs again. */
+  adopt(named: Bench): void {
+    const { bench: current, shown, ended } = this.state;
+    const { [current.name]: _, ...beside } = current.files;
+    const next = { ...named, files: { ...beside, ...named.files } };
+    const isSettled = ended === current && !this.state.isWaiting && shown?.bench === current;
+    if (!isSettled) return this.put(next);
+    if (this.provedOf === current) this.provedOf = next;
+    if (this.drawnOf === current) this.drawnOf = next;
+    if (this.framed) this.framed = { ...this.framed, name: next.name };
+    this.update({ bench: next, ended: next, shown: { ...shown, bench: next } });
+    this.schedule("link", () => void pack(next).then((link) => next === this.state.bench && this.update({ link })));
+  }
 
   /** Clears the results of the previous file, so that they are not shown under the name of another. */
   private clearResults(): void {
@@ -244,10 +263,14 @@ export class Controller {
     // Other files were opened while these were read; those are shown.
     if (number !== this.openCount) return true;
     // A file of the same name may be another shape, so nothing of the old one is kept.
+    const file = bench(nameOf(main), files);
+    const script = await carriedBy(this, file);
+    if (number !== this.openCount) return true;
     this.clearResults();
     this.framed = null;
-    this.update({ notice: null });
-    this.put(bench(nameOf(main), files));
+    this.update({ notice: null, exported: null, carried: null });
+    this.put(script ?? file);
+    if (script) void verifyCarried(this, file, script);
     return true;
   }
   private openCount = 0;
@@ -332,18 +355,6 @@ export class Controller {
     return { functions: rows, words: [...(constants ?? []), ...(keywords ?? [])].map((word) => (typeof word === "string" ? word : word.name)) };
   }
 
-  /** The files that a command line writes, for download. */
-  async export(line: Line): Promise<Files | null> {
-    const run = await this.runSupported("export", line, this.state.bench.files, false);
-    if (!run) return null;
-    const { outcome } = run;
-    // The outputs of a failed run may be incomplete, so they are dropped.
-    const isBest = outcome.exit === UNMET && run.line.includes(KEEP_BEST);
-    const isUseful = (outcome.exit === 0 || isBest) && Object.keys(outcome.outputs).length > 0;
-    if (!isUseful) this.update({ fault: faultOf(outcome) });
-    return isUseful ? outcome.outputs : null;
-  }
-
   look(view: View): void {
     this.update({ view });
     this.schedule("picture", () => void this.draw());
@@ -373,7 +384,7 @@ export class Controller {
 
   private restart(isDragging: boolean): void {
     const { bench: current } = this.state;
-    this.update({ levels: null, slice: null, trace: null, moreFaults: [], notice: null });
+    this.update({ levels: null, slice: null, trace: null, moreFaults: [], notice: null, exported: null });
     for (const lane of ["levels", "slice", "step", "trace", "faults"] as const) this.jobs.cancel(lane);
     if (isScript(current)) void this.draft();
     else {
@@ -593,7 +604,7 @@ export class Controller {
   }
 
   /** Runs a line. If the verb does not know an option of the bench, runs it again without. Returns the line that was run. */
-  private async runSupported(lane: LaneName, line: Line, files: Files, isReport: boolean): Promise<{ outcome: Outcome; line: Line } | null> {
+  async runSupported(lane: LaneName, line: Line, files: Files, isReport: boolean): Promise<{ outcome: Outcome; line: Line } | null> {
     const outcome = await this.run(lane, line, files, isReport);
     if (!outcome) return null;
     const unknown = outcome.exit === USAGE && /unexpected argument '(-[\w-]+)/.exec(`${outcome.stderr}${outcome.stdout}`)?.[1];
@@ -637,8 +648,23 @@ export class Controller {
     this.update({ isWaiting: true });
   }
 
+  /** Resolves as soon as the state is as a test asks. */
+  until(test: (state: State) => boolean): Promise<void> {
+    if (test(this.state)) return Promise.resolve();
+    return new Promise((resolve) => this.awaited.push({ test, resolve }));
+  }
+  private awaited: { test: (state: State) => boolean; resolve: () => void }[] = [];
+
+  /** Changes a part of the state that no run depends on. */
+  change(change: Partial<Pick<State, "exported" | "carried">>): void {
+    this.update(change);
+  }
+
   private update(change: Partial<State>): void {
     this.state = { ...this.state, ...change };
+    const due = this.awaited.filter(({ test }) => test(this.state));
+    if (due.length) this.awaited = this.awaited.filter((one) => !due.includes(one));
+    due.forEach(({ resolve }) => resolve());
     this.notify();
   }
 }

@@ -26,6 +26,8 @@ export interface Bench {
   options: string;
   /** The command lines that produced this file from another one, oldest first. */
   before: readonly Line[];
+  /** The id of the script on the shelf that this is, if it is kept there. */
+  kept?: string;
 }
 
 export type Line = readonly string[];

@@ -5,6 +5,7 @@ import { Controller } from "./controller";
 import { example } from "./examples";
 import { Jobs, type WorkerLike } from "./jobs";
 import { unpack } from "./share";
+import { Shelf, storage } from "./shelf";
 import type { Language } from "./texts";
 
 const file = new URL("../../wasm/command.wasm", import.meta.url);
@@ -26,11 +27,13 @@ function module(): Promise<WebAssembly.Module> {
 const worker = (): WorkerLike => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
 
 let control: Controller;
+let shelf: Shelf;
 let frame = 0;
 let writtenLink: string | null = null;
 
 function draw(): void {
   frame = 0;
+  shelf.follow(control.state.bench);
   render(<App language={language} state={control.state} control={control} />, root);
   const { bench, ended, link, running, isWaiting } = control.state;
   // Until a new link is ready the address keeps the old one; a bench that is too large for a link clears it.
@@ -59,9 +62,14 @@ async function begin(): Promise<void> {
   const encoded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
   const shared = encoded ? await unpack(encoded) : null;
   const opened = await filesOfCommand();
-  control = new Controller(new Jobs(module, worker), shared ?? example("bracket"), () => {
+  const redraw = () => {
     frame ||= requestAnimationFrame(draw);
-  });
+  };
+  shelf = new Shelf(storage(), redraw);
+  // A shared script is shown and not kept, unless it is one of the shelf's, as after a reload.
+  const first = shared ? shelf.known(shared) : (shelf.last() ?? example("bracket"));
+  control = new Controller(new Jobs(module, worker), first, redraw);
+  control.shelf = shelf;
   root.replaceChildren();
   // If the address has a link, it contains the changes since the command opened the file, so the link wins.
   const isOpen = opened.length > 0 && !shared && (await control.open(opened));

@@ -1,5 +1,6 @@
 // The part of a report that the page reads; see docs/schema/report.schema.json.
 import type { Vec3 } from "../viewer";
+import type { Source } from "./carried";
 
 export interface BoundFacts {
   at_least: number;
@@ -10,6 +11,8 @@ export interface BoundFacts {
   samples?: number;
   reference: string;
   at?: Vec3 | null;
+  /** The places where a proof did not end; where surfaces touch, the point and the lines of the script. */
+  open?: { largest: readonly { contact?: { kind: "tangent" | "flush"; at: Vec3; lines?: readonly [number, number] } }[] } | null;
 }
 
 export interface LevelFacts {
@@ -34,12 +37,14 @@ export interface Certificate {
   budget: { length: number | null; pixels: number | null; triangles: number | null } | null;
   bound: BoundFacts | null;
   output: { triangles?: number; vertices?: number; segments?: number } | null;
-  valid: { closed: boolean; manifold: boolean; oriented: boolean; components: number; genus: number | null; witnesses?: readonly { of: string; at: Vec3 }[] } | null;
+  valid: { closed: boolean; manifold: boolean; oriented: boolean; components: number; genus: number | null; non_manifold_edges?: number; witnesses?: readonly { of: string; at: Vec3 }[] } | null;
   attributes?: readonly AttributeFacts[];
   levels?: { levels: readonly LevelFacts[] };
   baked?: { size: readonly [number, number, number]; origin: Vec3; spacing: number };
   overshade?: { in_view: number; missed: number; micro: number; covered_px: number; every: { lanes: number } };
   notes: readonly string[];
+  /** The scripts that the file carries. */
+  sources?: readonly Source[];
 }
 
 export interface FindingFacts {
@@ -58,6 +63,9 @@ export interface Inspection {
   parts: readonly { name: string; triangles: number }[] | null;
   field: { parameters: readonly { name: string; default: number; value: number }[]; terms: number; outside: string; inside: string } | null;
   findings: readonly FindingFacts[] | null;
+  volume?: { low: number | null; high: number | null; labels: number | null; suggested: { level: number } | null } | null;
+  /** The certificate that the file carries. */
+  found?: { certificate: Partial<Certificate> } | null;
 }
 
 export interface Report {

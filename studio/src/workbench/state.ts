@@ -2,6 +2,8 @@
 import type { Size, Vec3, View } from "../viewer";
 import type { Progress } from "./command";
 import type { Bench, Line } from "./document";
+import type { Carried } from "./carried";
+import type { Exported } from "./exports";
 import type { Part } from "./glb";
 import type { Fault, Slice } from "./outcome";
 import type { Trace } from "./trace/faces";
@@ -14,7 +16,8 @@ export interface Running extends Progress {
   left: number | null;
 }
 
-export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language" | "trace" | "faults";
+export type LaneName =
+  | "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "verify" | "language" | "trace" | "faults";
 
 /** The mesh that is shown. */
 export interface Shown {
@@ -61,6 +64,10 @@ export interface State {
   home: View;
   size: Size;
   notice: Notice | null;
+  /** The latest export; `null` before the first, and after one that was stopped. */
+  exported: Exported | null;
+  /** The file that was opened as the script it carries. */
+  carried: Carried | null;
   /** The link of this bench; `null` if it is too large for one. */
   link: string | null;
   /** Whether a run is scheduled after a pause. */

@@ -13,10 +13,6 @@ export interface Texts {
   exhibits: string;
   open: string;
   drop: string;
-  example: string;
-  /** Shown in the list of examples if another file is open. */
-  ownFile: string;
-  examples: Record<"bracket" | "gear" | "vase" | "badge", string>;
   undo: string;
   redo: string;
   script: string;
@@ -93,7 +89,6 @@ export interface Texts {
   cells: string;
   bakeHint: string;
   export: string;
-  exportHint: string;
   noExport: string;
   line: string;
   copy: string;
@@ -117,9 +112,6 @@ export const TEXTS: Record<Language, Texts> = {
     exhibits: "Exhibits",
     open: "Open files…",
     drop: "Drop files here: meshes, patches, cages, drawings, fonts, volumes, scripts",
-    example: "Example",
-    ownFile: "None: a file is open",
-    examples: { bracket: "Bracket", gear: "Gear", vase: "Vase", badge: "Badge in three colours" },
     undo: "Undo",
     redo: "Redo",
     script: "Script",
@@ -201,7 +193,6 @@ export const TEXTS: Record<Language, Texts> = {
     cells: "Cells along the longest side",
     bakeHint: "The samples replace the shape; mesh them to get triangles again.",
     export: "Export",
-    exportHint: "Written by the command itself: the same bytes as on your machine.",
     noExport: "There is nothing to export: the current input gives no shape. The certificate shows why.",
     line: "The same in code",
     copy: "Copy",
@@ -231,9 +222,6 @@ export const TEXTS: Record<Language, Texts> = {
     exhibits: "展品",
     open: "打开文件…",
     drop: "把文件拖到这里：网格、曲面片、控制网格、图形、字体、体数据、脚本",
-    example: "示例",
-    ownFile: "无（已打开文件）",
-    examples: { bracket: "支架", gear: "齿轮", vase: "花瓶", badge: "三色徽章" },
     undo: "撤销",
     redo: "重做",
     script: "脚本",
@@ -312,7 +300,6 @@ export const TEXTS: Record<Language, Texts> = {
     cells: "最长边上的格数",
     bakeHint: "采样取代原来的形状；再网格化就能回来。",
     export: "导出",
-    exportHint: "由命令本身写出：与在你机器上得到的字节相同。",
     noExport: "没有可导出的：现在的内容没有得到形状，原因见证书。",
     line: "完成同样工作的代码",
     copy: "复制",

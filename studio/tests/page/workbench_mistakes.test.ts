@@ -138,7 +138,7 @@ test("after growth to ten times the size the view is reset, from the same side",
 
 const distance = async (page: Page) => Number(/dist=([\d.]+)/.exec((await line(page))!)![1]);
 
-test("a file is in the list of examples, its attributes are in the certificate, and its link restores it", async () => {
+test("a file has no place on the shelf, its attributes are in the certificate, and its link restores it", async () => {
   const { page } = await pages.open();
   const picker = page.locator(".inputs input[type=file]");
   await picker.setInputFiles(join(ROOT, "../tests/web/painted.gltf"));
@@ -146,7 +146,7 @@ test("a file is in the list of examples, its attributes are in the certificate, 
   await page.locator(".budget input[type=text]").fill("5%");
   await page.keyboard.press("Enter");
   await settled(page);
-  expect(await page.locator(".inputs select option:checked").textContent()).toBe("None: a file is open");
+  expect(await page.locator("[data-shelf=keep], [data-shelf=save]").count()).toBe(0);
   const facts = page.locator(".certificate .facts");
   expect(await facts.locator('[data-attribute="normal"]').textContent()).toMatch(/^Normals, measured error[\d.]+°$/);
   expect(await facts.locator('[data-attribute="texcoord 0"]').textContent()).toMatch(/^Texture coordinates, measured error0\.\d+$/);

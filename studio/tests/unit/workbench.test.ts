@@ -10,8 +10,10 @@ import { Controller } from "../../src/workbench/controller";
 import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText, without } from "../../src/workbench/document";
 import { boxOf, levels, parts, partToZUp } from "../../src/workbench/glb";
 import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
+import { MESH_FORMATS, exportLine, exportMesh } from "../../src/workbench/exports";
 import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
 import { type Box, awayFrom, distanceOf, fillingDistance, pixelsOf, towards } from "../../src/workbench/pixels";
+import type { Certificate } from "../../src/workbench/report";
 import { pack, unpack } from "../../src/workbench/share";
 import type { LaneName } from "../../src/workbench/state";
 import { BenchSay } from "../../src/workbench/words";
@@ -381,21 +383,59 @@ describe("an export", () => {
   test("has the command's outputs if it succeeded", async () => {
     const outputs = { "tiles/tileset.json": text("{}") };
     const control = controller(ended(0, outputs));
-    expect(await control.export(["lod", "block.star", "-o", "tiles/"])).toBe(outputs);
-    expect(control.state.fault).toBeNull();
+    expect(await exportLine(control, ["lod", "block.star", "-o", "tiles/"], "tiles.zip")).toBe(outputs);
+    expect(control.state.exported).toEqual({ state: "written", name: "tiles.zip", bytes: 2 });
   });
   test("ignores the outputs of a failed run, and shows the command's message", async () => {
     for (const exit of [1, 2, 3, 4, 5]) {
       const control = controller(ended(exit, { "tiles/.chordal.lock": new Uint8Array() }));
-      expect(await control.export(["lod", "block.star", "-o", "tiles/"])).toBeNull();
-      expect(control.state.fault?.text).toContain("no levels of this");
+      expect(await exportLine(control, ["lod", "block.star", "-o", "tiles/"], "tiles.zip")).toBeNull();
+      expect(control.state.exported).toMatchObject({ state: "failed", fault: { text: expect.stringContaining("no levels of this") } });
     }
+  });
+  /** A controller whose mesh is proved. */
+  const proved = (outcome: Outcome, frame = { up: null, metres_per_unit: null } as Certificate["frame"]) => {
+    const lines: string[][] = [];
+    const jobs = { run: async (_: LaneName, words: string[]) => (lines.push(words), outcome), isRunning: () => false, cancel: () => undefined };
+    const control = new Controller(jobs as unknown as Jobs<LaneName>, block, () => undefined);
+    const certificate = { frame, bound: null, output: null, valid: null, budget: null, notes: [] };
+    const shown = { bench: block, parts: [], certificate, bytes: text("glTF"), seconds: 1, isDraft: false, isShort: false };
+    control.state = { ...control.state, shown, ended: block };
+    return { control, lines };
+  };
+
+  test("of the mesh is that mesh, and is converted from it for other formats", async () => {
+    const { control, lines } = proved(ended(0, { "block.stl": text("solid") }));
+    expect(await exportMesh(control, "glb")).toEqual({ "block.glb": text("glTF") });
+    expect(lines).toEqual([]);
+    expect(await exportMesh(control, "stl")).toEqual({ "block.stl": text("solid") });
+    expect(lines).toEqual([["convert", "block.glb", "block.stl", "--keep-certificate"]]);
+    // In a GLB such a shape is turned and scaled, so it is meshed for the format.
+    const other = proved(ended(0, { "block.stl": text("solid") }), { up: "z", metres_per_unit: 0.001 });
+    await exportMesh(other.control, "stl");
+    expect(other.lines[0]!.slice(0, 2)).toEqual(["mesh", "block.star"]);
+  });
+  test("of the mesh is a sentence and no file if the command fails, writes nothing, or writes an empty file", async () => {
+    for (const format of MESH_FORMATS.filter((one) => one !== "glb")) {
+      const bad = [1, 2, 3, 4, 5].map((exit) => ended(exit, { [`block.${format}`]: text("half") }));
+      for (const outcome of [...bad, ended(0, {}), ended(0, { [`block.${format}`]: new Uint8Array() })]) {
+        const { control } = proved(outcome);
+        expect(await exportMesh(control, format)).toBeNull();
+        expect(control.state.exported).toMatchObject({ state: "failed", name: `block.${format}`, fault: { text: expect.stringMatching(/.{10}/) } });
+      }
+    }
+  });
+  test("without a proved mesh says so", async () => {
+    const { control } = proved(ended(0, {}));
+    control.state = { ...control.state, shown: { ...control.state.shown!, isDraft: true } };
+    expect(await exportMesh(control, "glb")).toBeNull();
+    expect(control.state.exported).toEqual({ state: "failed", name: "block.glb", fault: null });
   });
   test("is the best mesh for a missed budget only if the line asks for it", async () => {
     const outputs = { "block.glb": text("best") };
     const line = ["mesh", "block.star", "-o", "block.glb", "--keep-best"];
-    expect(await controller(ended(5, outputs)).export(line)).toBe(outputs);
-    expect(await controller(ended(4, outputs)).export(line)).toBeNull();
-    expect(await controller(ended(5, outputs)).export(line.slice(0, -1))).toBeNull();
+    expect(await exportLine(controller(ended(5, outputs)), line, "block.glb")).toBe(outputs);
+    expect(await exportLine(controller(ended(4, outputs)), line, "block.glb")).toBeNull();
+    expect(await exportLine(controller(ended(5, outputs)), line.slice(0, -1), "block.glb")).toBeNull();
   });
 });

@@ -2,13 +2,14 @@
 import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { expect, test } from "vitest";
+import { PANEL_TEXTS } from "../../src/workbench/panel_texts";
 import { TEXTS } from "../../src/workbench/texts";
 
 const FOLDER = new URL("../../src/workbench/", import.meta.url).pathname;
 
 /** The source of the workbench, without its texts. */
 const source = readdirSync(FOLDER, { recursive: true, encoding: "utf8" })
-  .filter((name) => /\.tsx?$/.test(name) && name !== "texts.ts")
+  .filter((name) => /\.tsx?$/.test(name) && !/^(panel_)?texts\.ts$/.test(name))
   .map((name) => readFileSync(join(FOLDER, name), "utf8"))
   .join("\n");
 
@@ -22,6 +23,7 @@ function paths(of: object, prefix = ""): [path: string, values: number][] {
 
 test("are the same in both languages, in the same order, and take the same parameters", () => {
   expect(paths(TEXTS.zh)).toEqual(paths(TEXTS.en));
+  expect(paths(PANEL_TEXTS.zh)).toEqual(paths(PANEL_TEXTS.en));
 });
 
 test("are all used", () => {
@@ -29,8 +31,8 @@ test("are all used", () => {
   const isUsed = (key: string) =>
     new RegExp(`(words|TEXTS\\[\\w+\\])\\.${key}\\b|const \\{[^}]*\\b${key}\\b[^}]*\\} = words`).test(source) ||
     (source.includes("words[") && source.includes(`"${key}"`));
-  expect(Object.keys(TEXTS.en).filter((key) => !isUsed(key))).toEqual([]);
+  expect([...Object.keys(TEXTS.en), ...Object.keys(PANEL_TEXTS.en)].filter((key) => !isUsed(key))).toEqual([]);
   // A text of a record is chosen by its key, which occurs in quotes somewhere; an example has the name of its file.
-  const names = paths(TEXTS.en).filter(([path]) => path.includes(".")).map(([path]) => path.split(".").at(-1)!);
+  const names = [...paths(TEXTS.en), ...paths(PANEL_TEXTS.en)].filter(([path]) => path.includes(".")).map(([path]) => path.split(".").at(-1)!);
   expect(names.filter((name) => !source.includes(`"${name}"`) && !source.includes(`import ${name} from`))).toEqual([]);
 });

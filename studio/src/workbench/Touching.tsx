@@ -1,0 +1,45 @@
+// Parts of a script's shape that only touch, as a finding: where, of which lines, what helps, and a button that goes there.
+import type { Vec3 } from "../viewer";
+import { PANEL_TEXTS } from "./panel_texts";
+import { towards } from "./pixels";
+import type { Page } from "./words";
+
+export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
+  const { say, state, control, language } = page;
+  const words = PANEL_TEXTS[language];
+  const { shown } = state;
+  if (!shown || shown.isDraft || shown.bench !== state.bench) return null;
+  const { bound, valid } = shown.certificate;
+  const contacts = (bound?.open?.largest ?? []).flatMap(({ contact }) => (contact ? [contact] : []));
+  const n = valid?.non_manifold_edges ?? 0;
+  if (!contacts.length && !n) return null;
+  const go = (at: Vec3) => {
+    const place = control!.place(at);
+    mark([place]);
+    control!.look(towards(place, state.view, state.home));
+  };
+  return (
+    <section class="panel findings touching">
+      <h2>{words.touching}</h2>
+      <ul>
+        {contacts.map(({ at, lines }) => (
+          <li key={at.join()} class="fault">
+            <p>
+              {words.touchingSays(at.map((x) => say.number(x)).join(", "), lines ? lines.map(String) : null)} {words.touchingCure}
+            </p>
+            <button type="button" data-go="contact" onClick={() => go(at)}>
+              {words.goThere}
+            </button>
+          </li>
+        ))}
+        {n > 0 && (
+          <li class="fault">
+            <p>
+              {words.edgesSay(say.whole(n))} {!contacts.length && words.touchingCure}
+            </p>
+          </li>
+        )}
+      </ul>
+    </section>
+  );
+}

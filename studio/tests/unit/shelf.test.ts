@@ -1,0 +1,101 @@
+// The shelf: kept, named, deleted and restored; refused and full storage; and what the panels ask for.
+import { describe, expect, test } from "vitest";
+import { optionOf, withOption } from "../../src/workbench/Asks";
+import { bench, withText } from "../../src/workbench/document";
+import { MOST, Shelf, type Store, cleaned } from "../../src/workbench/shelf";
+
+const of = (name: string, text: string) => bench(`${name}.star`, { [`${name}.star`]: new TextEncoder().encode(text) });
+
+class Memory implements Store {
+  readonly values = new Map<string, string>();
+  getItem = (key: string) => this.values.get(key) ?? null;
+  setItem = (key: string, value: string) => void this.values.set(key, value);
+}
+
+function shelf(store: Store | null = new Memory()): Shelf {
+  let id = 0;
+  return new Shelf(store, () => undefined, () => `id${++id}`);
+}
+
+describe("a script on the shelf", () => {
+  test("follows the bench, and is there again after a reload", () => {
+    const store = new Memory();
+    const first = shelf(store);
+    const kept = first.keep(of("bracket", "sphere(1)"));
+    first.follow(kept);
+    first.follow({ ...withText(kept, "sphere(2)"), set: { r: "3" } });
+    const back = shelf(store).last()!;
+    expect(back).toMatchObject({ name: "bracket.star", set: { r: "3" }, kept: "id1" });
+    expect(new TextDecoder().decode(back.files["bracket.star"])).toBe("sphere(2)");
+  });
+  test("is not overwritten by a shared script of the same name, and is found again if that is the same", () => {
+    const store = new Memory();
+    const one = shelf(store);
+    one.follow(one.keep(of("bracket", "sphere(1)")));
+    const shared = one.known(of("bracket", "box(1, 2, 3)"));
+    expect(shared.kept).toBeUndefined();
+    one.follow(withText(shared, "box(3, 2, 1)"));
+    expect(one.state.scripts.map(({ text }) => text)).toEqual(["sphere(1)"]);
+    expect(one.known(of("bracket", "sphere(1)")).kept).toBe("id1");
+  });
+  test("has a name of its own, also when it is renamed and duplicated", () => {
+    const one = shelf();
+    const kept = one.keep(of("gear", "sphere(1)"));
+    expect(one.keep(of("gear", "sphere(1)")).name).toBe("gear 2.star");
+    expect(one.keep(kept).name).toBe("gear 3.star");
+    expect(one.rename("id2", "gear")).toBeNull();
+    expect(one.rename("id2", " ../wheel/a:b ")?.name).toBe("wheelab.star");
+    expect(one.rename("id2", "  ")).toBeNull();
+    expect(cleaned("part.star")).toBe("part");
+  });
+  test("that was deleted comes back to its place", () => {
+    const one = shelf();
+    for (const name of ["a", "b", "c"]) one.keep(of(name, name));
+    one.remove("id2");
+    expect(one.state.scripts.map(({ name }) => name)).toEqual(["c", "a"]);
+    one.restore();
+    expect(one.state.scripts.map(({ name }) => name)).toEqual(["c", "b", "a"]);
+    expect(one.state.deleted).toBeNull();
+  });
+  test("knows whether a file has it as it is", () => {
+    const one = shelf();
+    const kept = one.keep(of("a", "sphere(1)"));
+    one.savedToFile("id1", "sphere(1)");
+    expect(one.of(kept)?.saved).toBe("sphere(1)");
+    one.follow(withText(kept, "sphere(2)"));
+    expect(one.of(kept)).toMatchObject({ saved: "sphere(1)", text: "sphere(2)" });
+  });
+});
+
+describe("a storage", () => {
+  test("that is refused, throws or is full is said, and the scripts stay on the page", () => {
+    expect(shelf(null).state.fault).toBe("refused");
+    const refusing = shelf({ getItem: () => null, setItem: () => { throw new Error("no"); } });
+    refusing.keep(of("a", "sphere(1)"));
+    expect(refusing.state).toMatchObject({ fault: "refused", scripts: [{ name: "a" }] });
+    const full = shelf({ getItem: () => null, setItem: () => { throw new DOMException("", "QuotaExceededError"); } });
+    full.keep(of("a", "sphere(1)"));
+    expect(full.state.fault).toBe("full");
+    const long = shelf();
+    long.keep(of("a", "#".repeat(MOST)));
+    expect(long.state.fault).toBe("full");
+    long.remove("id1");
+    expect(long.state.fault).toBeNull();
+  });
+  test("with anything else in it is an empty shelf", () => {
+    for (const text of ["", "{", "[]", '{"v":2,"scripts":[]}', '{"v":1,"scripts":[{"id":7}]}']) {
+      const store = new Memory();
+      store.setItem("chordal.shelf", text);
+      expect(shelf(store).state.scripts, text).toEqual([]);
+    }
+  });
+});
+
+test("options are read, set and removed in the text of all of them", () => {
+  expect(optionOf("--iso -3 --unit mm", "--iso")).toBe("-3");
+  expect(optionOf('--text="A b"', "--text")).toBe("A b");
+  expect(optionOf("--em 3", "--text")).toBeNull();
+  expect(withOption("--iso -3 --unit mm", "--iso", "60")).toBe("--unit mm --iso 60");
+  expect(withOption("", "--text", "A b")).toBe('--text "A b"');
+  expect(withOption("--iso 60", "--iso", null)).toBe("");
+});
