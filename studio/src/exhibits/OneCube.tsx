@@ -66,9 +66,9 @@ function pictureOf({ state }: Page, answer: CubeAnswer): Picture {
       { kind: "wire", id: "sides", ...mesh, paint: "--ink", width: 2 },
     );
   }
-  if (faces.length) layers.push({ kind: "lines", id: "other", positions: other, paint: "--gap", width: 2.4, isOnTop: true });
+  if (faces.length) layers.push({ kind: "lines", id: "other", positions: other, paint: "--gap", width: 2.4, isMark: true });
   if (state.sharp && answer.lost !== null) {
-    layers.push({ kind: "lines", id: "box", positions: floats(box(answer.signs)), paint: "--good", width: 2.4, isOnTop: true });
+    layers.push({ kind: "lines", id: "box", positions: floats(box(answer.signs)), paint: "--good", width: 2.4, isMark: true });
   }
   return { layers };
 }

@@ -1,6 +1,6 @@
 // A mesh baked to a grid of distances and meshed again: each way has an error, and the bounds add up.
 import { Choice, Figure as Data, Slider } from "../view/parts";
-import type { Picture, Vec3, View } from "../viewer";
+import { type Picture, type Vec3, type View, facing } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, view, word } from "./fragment";
 import { FRAME } from "./frame_texts";
@@ -49,6 +49,8 @@ interface Texts extends CommonTexts {
   home: string;
   sum: string;
   measured: string;
+  /** A button that turns the view to the worst place. */
+  turn: string;
   samples: string;
   cell: string;
 }
@@ -69,6 +71,7 @@ const texts: Record<Language, Texts> = {
     home: "Grid to mesh, at most",
     sum: "Both, added",
     measured: "Measured",
+    turn: "Turn to the worst place",
     samples: "Samples",
     cell: "Edge of a cell",
     story: [
@@ -95,6 +98,7 @@ const texts: Record<Language, Texts> = {
     home: "采样到网格，至多",
     sum: "两者之和",
     measured: "实测",
+    turn: "转到误差最大处",
     samples: "样本数",
     cell: "单元边长",
     story: [
@@ -129,7 +133,8 @@ function pictureOf({ answer }: Page): Picture {
         sides: "both",
       },
       { kind: "wire", id: "before", ...mesh, paint: "#4a7fc1", width: 1.6 },
-      { kind: "points", id: "worst", positions: new Float32Array(worst.flat()), paint: "--gap", size: 10, isOnTop: true },
+      { kind: "lines", id: "off", positions: new Float32Array(worst.flat()), paint: "--gap", width: 3, isMark: true },
+      { kind: "points", id: "worst", positions: new Float32Array(worst.flat()), paint: "--gap", size: 10, isMark: true },
     ],
   };
 }
@@ -194,6 +199,9 @@ function Panel({ page }: { page: Page }) {
         options={(["cylinder", "cube"] as const).map((value) => ({ value, label: texts.shapes[value] }))}
         choose={(shape) => set({ shape })}
       />
+      <button type="button" onClick={() => set(({ view }) => ({ view: facing(answer.worst[0], view, HOME.target) }))}>
+        {texts.turn}
+      </button>
       <svg
         class="bytes"
         viewBox={`0 0 ${WIDE} 62`}

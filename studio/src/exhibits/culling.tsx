@@ -197,8 +197,8 @@ function pictureOf({ state, answer }: Page): Picture {
         shading: "flat",
         sides: isCulled ? "front" : "both",
       },
-      { kind: "lines", id: "outline", positions: outline, paint: "--ink", width: 2.4, isOnTop: true },
-      { kind: "lines", id: "arrows", positions: arrows, paint: "--ink", width: 1.6, isOnTop: true },
+      { kind: "lines", id: "outline", positions: outline, paint: "--ink", width: 2.4, isMark: true },
+      { kind: "lines", id: "arrows", positions: arrows, paint: "--ink", width: 1.6, isMark: true },
     ],
   };
 }

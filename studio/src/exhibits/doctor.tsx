@@ -1,16 +1,18 @@
 // The mesh doctor: six defective meshes, the defects that the core finds, and the results of its repairs.
 import { CURE_NAMES, type Cure } from "../core/cures";
 import { Choice, Figure as Data } from "../view/parts";
-import type { Layer, Picture, Vec3, View } from "../viewer";
+import { type Layer, type Picture, type Vec3, type View, facing } from "../viewer";
 import { DOCTOR, type Defect, PATIENTS, type Patient, type Texts } from "./doctor_texts";
 import { exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
-import { view, word, words } from "./fragment";
+import { number, view, word, words } from "./fragment";
 import { PAINT } from "./paint";
 import { Scene } from "./Scene";
 
 interface State {
   patient: Patient;
   cures: readonly Cure[];
+  /** The place that the reader chose, counted through all findings; −1 if none. */
+  place: number;
   view: View;
 }
 
@@ -39,8 +41,11 @@ interface Answer {
 }
 
 const MOST_CURES = 16;
+const NONE = -1;
+/** Ten places of each kind of defect. */
+const MOST_PLACES = 130;
 const HOME: View = { azimuth: -52, elevation: 30, distance: 5.4, target: [0, 0, 0] };
-const defaults: State = { patient: "hole", cures: [], view: HOME };
+const defaults: State = { patient: "hole", cures: [], place: NONE, view: HOME };
 /** Two cubes need more room than a ball. */
 const FRAMES: Record<Patient, Pick<View, "distance" | "target">> = {
   hole: HOME,
@@ -54,23 +59,32 @@ const homeOf = (patient: Patient): View => ({ ...HOME, ...FRAMES[patient] });
 
 type Page = PageOf<State, Answer, Texts>;
 
-function pictureOf({ answer }: Page): Picture {
-  const { positions, indices } = answer.mesh;
-  // Highlights the defects that the next repair is for, or all if no repair helps.
-  const shown = answer.next ? answer.findings.filter(({ cure }) => cure === answer.next) : answer.findings;
-  const places = shown.flatMap(({ places }) => places);
+/** The lines and dots of places. One corner is a dot, two are an edge, three a triangle. */
+function marks(id: string, places: readonly Vec3[][], width: number): Layer[] {
   const flat = (points: readonly Vec3[]) => new Float32Array(points.flat());
-  // One corner is a dot, two are an edge, three a triangle.
   const dots = places.filter((corners) => corners.length === 1).flat();
   const lines = places.flatMap(([a, b, c]) => (c ? [a!, b!, b!, c, c, a!] : b ? [a!, b] : []));
-  const layers: Layer[] = [
-    { kind: "mesh", id: "patient", positions, indices, paint: PAINT.front, back: PAINT.back, shading: "flat", sides: "both" },
-    { kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: 0.8 },
+  return [
+    ...(lines.length ? [{ kind: "lines", id: `${id}-edges`, positions: flat(lines), paint: "--gap", width, isMark: true } as const] : []),
+    ...(dots.length ? [{ kind: "points", id: `${id}-dots`, positions: flat(dots), paint: "--gap", size: 2 * width + 3, isMark: true } as const] : []),
   ];
-  if (lines.length)
-    layers.push({ kind: "lines", id: "edges", positions: flat(lines), paint: "--gap", width: 3.5, isOnTop: true });
-  if (dots.length) layers.push({ kind: "points", id: "dots", positions: flat(dots), paint: "--gap", size: 10, isOnTop: true });
-  return { layers };
+}
+
+const placesOf = ({ findings }: Answer) => findings.flatMap(({ places }) => places);
+const middleOf = (corners: readonly Vec3[]): Vec3 => [0, 1, 2].map((k) => corners.reduce((sum, p) => sum + p[k]!, 0) / corners.length) as unknown as Vec3;
+
+function pictureOf({ state, answer }: Page): Picture {
+  const { positions, indices } = answer.mesh;
+  const places = placesOf(answer);
+  const chosen = places[state.place];
+  return {
+    layers: [
+      { kind: "mesh", id: "patient", positions, indices, paint: PAINT.front, back: PAINT.back, shading: "flat", sides: "both" },
+      { kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: 0.8 },
+      ...marks("all", places, 3.5),
+      ...(chosen ? marks("chosen", [chosen], 8) : []),
+    ],
+  };
 }
 
 function Figure({ page }: { page: Page }) {
@@ -100,6 +114,25 @@ function liveNumber({ answer, say, texts }: Page): LiveNumber {
   };
 }
 
+/** A button for each place of a finding, which turns the view to it. */
+function Places({ page, finding }: { page: Page; finding: number }) {
+  const { state, answer, texts, say, set } = page;
+  const { places, count, defect } = answer.findings[finding]!;
+  const first = answer.findings.slice(0, finding).reduce((sum, { places }) => sum + places.length, 0);
+  const turn = (k: number) =>
+    set(({ view, patient }) => ({ place: first + k, view: facing(middleOf(places[k]!), view, homeOf(patient).target) }));
+  return (
+    <div class="places" role="group" aria-label={`${texts.places}: ${texts.defects[defect][1]}`}>
+      <span>{places.length < count ? texts.firstPlaces(say.whole(places.length)) : texts.places}</span>
+      {places.map((_, k) => (
+        <button type="button" key={k} aria-label={texts.place(k + 1)} aria-pressed={first + k === state.place} onClick={() => turn(k)}>
+          {k + 1}
+        </button>
+      ))}
+    </div>
+  );
+}
+
 function Panel({ page }: { page: Page }) {
   const { state, answer, texts, say, set } = page;
   return (
@@ -110,13 +143,13 @@ function Panel({ page }: { page: Page }) {
         legend={texts.patient}
         value={state.patient}
         options={PATIENTS.map((value) => ({ value, label: texts.patients[value] }))}
-        choose={(patient) => set({ patient, cures: [], view: homeOf(patient) })}
+        choose={(patient) => set({ patient, cures: [], place: NONE, view: homeOf(patient) })}
       />
       <div>
         <h3>{texts.findings}</h3>
         {answer.findings.length === 0 && <p class="aside">{texts.nothing}</p>}
         <ul class="findings">
-          {answer.findings.map(({ defect, is_fault, count, cure }) => (
+          {answer.findings.map(({ defect, is_fault, count, cure }, finding) => (
             <li key={defect} class={is_fault ? "fault" : "remark"}>
               <b>
                 <Data name={defect} value={count}>
@@ -125,10 +158,11 @@ function Panel({ page }: { page: Page }) {
                 {texts.defects[defect][count === 1 ? 0 : 1]}
               </b>
               <p>{texts.defects[defect][2]}</p>
+              <Places page={page} finding={finding} />
               {cure && cure === answer.next && answer.findings.find((other) => other.cure === cure)?.defect === defect && (
                 <button
                   type="button"
-                  onClick={() => set(({ cures }) => (cures.length < MOST_CURES ? { cures: [...cures, cure] } : {}))}
+                  onClick={() => set(({ cures }) => (cures.length < MOST_CURES ? { cures: [...cures, cure], place: NONE } : {}))}
                 >
                   {texts.cures[cure]}
                 </button>
@@ -149,7 +183,7 @@ function Panel({ page }: { page: Page }) {
               </li>
             ))}
           </ol>
-          <button type="button" onClick={() => set(({ cures }) => ({ cures: cures.slice(0, -1) }))}>
+          <button type="button" onClick={() => set(({ cures }) => ({ cures: cures.slice(0, -1), place: NONE }))}>
             {texts.undo}
           </button>
         </div>
@@ -180,7 +214,7 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { patient: ["p", word(...PATIENTS)], cures: ["c", words(CURE_NAMES, MOST_CURES)], view: ["o", view] },
+  parts: { patient: ["p", word(...PATIENTS)], cures: ["c", words(CURE_NAMES, MOST_CURES)], place: ["k", number(NONE, MOST_PLACES)], view: ["o", view] },
   question: ({ patient, cures }) => ({ patient, cures }),
   texts: DOCTOR,
   number: liveNumber,

@@ -33,6 +33,10 @@ export interface Texts extends CommonTexts {
   /** Below the picture: no defect is left. */
   well(volume: string): string;
   findings: string;
+  places: string;
+  /** If there are more than are listed. */
+  firstPlaces(n: string): string;
+  place(n: number): string;
   nothing: string;
   /** Its name in the singular, in the plural, and its meaning. */
   defects: Record<Defect, readonly [string, string, string]>;
@@ -112,6 +116,9 @@ export const DOCTOR: Record<Language, Texts> = {
     left: "Closed, manifold and consistently wound: it has an inside. But it has a defect that a drawing or a print would show.",
     well: (volume) => `Closed, manifold and consistently wound: it has an inside, and its volume is ${volume}.`,
     findings: "Findings",
+    places: "Where",
+    firstPlaces: (n) => `The first ${n}`,
+    place: (n) => `Turn to place ${n}`,
     nothing: "Nothing.",
     defects: {
       boundary_edges: ["boundary edge", "boundary edges", "With only one triangle, the surface ends there and has no inside."],
@@ -188,6 +195,9 @@ export const DOCTOR: Record<Language, Texts> = {
     left: "封闭、流形、环绕方向一致：它有内部。但还有多余的东西，绘制或打印时会显出来。",
     well: (volume) => `封闭、流形、环绕方向一致：它有内部，体积为 ${volume}。`,
     findings: "诊断",
+    places: "位置",
+    firstPlaces: (n) => `前 ${n} 处`,
+    place: (n) => `转到第 ${n} 处`,
     nothing: "没有发现问题。",
     defects: {
       boundary_edges: ["条边界边", "条边界边", "那里只有一个三角形：曲面到此为止，因此没有内部。"],

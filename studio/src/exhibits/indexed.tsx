@@ -171,7 +171,7 @@ function pictureOf({ state, answer }: Page): Picture {
       ...(isApart
         ? []
         : ([{ kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: isFine ? 0.6 : 1 }] as const)),
-      { kind: "points", id: "dots", positions: dots, paint: "--gap", size: isApart ? 7 : 10, isOnTop: true },
+      { kind: "points", id: "dots", positions: dots, paint: "--gap", size: isApart ? 7 : 10, isMark: true },
     ],
   };
 }

@@ -5,7 +5,7 @@ export { rampStops } from "./color";
 export { edgesOf, exploded, middles, segments } from "./geometry";
 export type { DecodedPicture, Layer, MeshLayer, Paint, Picture, RampName, Section, Vec3 } from "./layers";
 export { type Shape, painted, still } from "./still";
-export { type Projector, type Size, type View, eyeOf, pick, projector, row } from "./view";
+export { type Projector, type Size, type View, eyeOf, facing, pick, projector, row } from "./view";
 
 /** Creates a viewer in an element. Rejects if the browser has no WebGL 2; the still picture stays then. */
 export async function createViewer(root: HTMLElement): Promise<import("./viewer").Viewer> {

@@ -9,8 +9,10 @@ export type Paint = string;
 interface Common {
   /** Identifies the layer from one list to the next. */
   id: string;
-  /** Whether it is visible through layers in front of it. */
+  /** Whether it is visible through layers in front of it, as a dimension in a drawing. */
   isOnTop?: boolean;
+  /** Whether it marks a place on a body: faint where the body hides it. Only lines and points are marks. */
+  isMark?: boolean;
   /** Whether all other layers cover it, as a ground. */
   isUnder?: boolean;
   /** Whether a section leaves it whole. */

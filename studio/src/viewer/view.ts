@@ -29,6 +29,9 @@ export interface Size {
 /** The largest elevation: at 90 degrees the up direction is undefined. */
 export const STEEPEST = 89;
 
+/** The smallest distance from the centre of a body that has a side, as a share of the distance to the eye. */
+const NEAREST = 1e-3;
+
 const radians = (degrees: number) => (degrees * Math.PI) / 180;
 export const dot = (a: Vec3, b: Vec3) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 export const plus = (a: Vec3, b: Vec3, t = 1): Vec3 => [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]];
@@ -109,6 +112,17 @@ export const turned = (view: View, dx: number, dy: number): View => ({
   azimuth: wrapped(view.azimuth - 0.4 * dx),
   elevation: Math.min(Math.max(view.elevation + 0.4 * dy, -STEEPEST), STEEPEST),
 });
+
+/** The view turned so that a point on a body's surface faces the eye; `centre` is inside the body. */
+export function facing(at: Vec3, view: View, centre: Vec3): View {
+  const [x, y, z] = minus(at, centre);
+  const flat = Math.hypot(x, y);
+  // A point near the centre has no side.
+  if (Math.hypot(flat, z) < NEAREST * view.distance) return view;
+  const degrees = (angle: number) => (angle * 180) / Math.PI;
+  const elevation = Math.max(-STEEPEST, Math.min(STEEPEST, degrees(Math.atan2(z, flat))));
+  return { ...view, azimuth: flat > 0 ? degrees(Math.atan2(y, x)) : view.azimuth, elevation };
+}
 
 const wrapped = (degrees: number) => degrees - 360 * Math.floor((degrees + 180) / 360);
 

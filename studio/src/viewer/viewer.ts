@@ -12,6 +12,7 @@ import {
   DirectionalLight,
   DoubleSide,
   FrontSide,
+  GreaterDepth,
   Group,
   type Material,
   Matrix4,
@@ -45,6 +46,8 @@ import { type View, axesOf, eyeOf, focal, fovOf } from "./view";
 const MOST_DENSITY = 2.5;
 /** Anisotropic filtering keeps textures sharp at grazing angles; 4 is cheap on any GPU of the last ten years. */
 const MOST_ANISOTROPY = 4;
+/** The opacity of the hidden part of a mark. */
+const HIDDEN = 0.28;
 /** By glTF's numbers. */
 const WRAPS: Record<number, Wrapping> = { 33071: ClampToEdgeWrapping, 33648: MirroredRepeatWrapping, 10497: RepeatWrapping };
 
@@ -252,7 +255,14 @@ export class Viewer {
       default:
         shown.objects = [this.line(layer)];
     }
-    const order = layer.isOnTop ? 10 : layer.isUnder ? -10 : 0;
+    if (layer.isMark && layer.kind !== "mesh") {
+      // Again, faint, only where something is in front of it. Neither writes depth, or marks would hide each other.
+      shown.objects.push(layer.kind === "points" ? this.points(layer) : this.line(layer));
+      const [seen, hidden] = shown.objects.map((object) => (object as Mesh).material as Material);
+      seen!.depthWrite = false;
+      Object.assign(hidden!, { depthWrite: false, depthFunc: GreaterDepth, transparent: true, opacity: HIDDEN });
+    }
+    const order = layer.isOnTop || layer.isMark ? 10 : layer.isUnder ? -10 : 0;
     shown.objects.forEach((object, i) => {
       object.renderOrder = order + i;
       if (layer.isUnder) Object.assign((object as Mesh).material, { depthTest: false, depthWrite: false });

@@ -3,6 +3,7 @@ import type { Vec3 } from "../viewer";
 import { Working } from "./Certificate";
 import { cureIn, joining, nameIn, sentenceIn } from "./command_zh";
 import { isScript, isVolume, stem } from "./document";
+import { towards } from "./pixels";
 import { Said } from "./Said";
 import type { Page } from "./words";
 
@@ -18,7 +19,11 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
       {findings.length === 0 && <p class="good">{words.sound}</p>}
       <ul>
         {findings.map((finding) => {
-          const witnesses = state.witnesses.filter(({ of }) => of === finding.of);
+          const places = state.witnesses.filter(({ of }) => of === finding.of).map(({ at }) => control?.place(at) ?? at);
+          const show = (at: Vec3) => {
+            mark(places);
+            control?.look(towards(at, state.view, state.home));
+          };
           return (
             <li key={finding.of} class={finding.weight}>
               <p>
@@ -33,18 +38,17 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
                 </p>
               )}
               <div class="row tight">
-                {witnesses.length > 0 && (
-                  <button
-                    type="button"
-                    onClick={() => {
-                      const places = witnesses.map(({ at }) => control?.place(at) ?? at);
-                      mark(places);
-                      control?.look({ ...state.view, target: places[0]! });
-                    }}
-                  >
-                    {words.showPlaces(say.whole(witnesses.length), witnesses.length < finding.count)}
+                {places.length > 0 && (
+                  <button type="button" onClick={() => show(places[0]!)}>
+                    {words.showPlaces(say.whole(places.length), places.length < finding.count)}
                   </button>
                 )}
+                {places.length > 1 &&
+                  places.map((at, k) => (
+                    <button type="button" key={k} aria-label={words.place(k + 1)} onClick={() => show(at)}>
+                      {k + 1}
+                    </button>
+                  ))}
                 {[...finding.cures, ...joining(finding.means)].map((option) => (
                   <button type="button" key={option} data-cure={option} onClick={() => cure([option])}>
                     {words.cure(cureIn(language, option))}

@@ -465,7 +465,7 @@ function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], d
     return [mesh];
   });
   if (marked.length) {
-    layers.push({ kind: "points", id: "marked", positions: Float32Array.from(marked.flat()), paint: "#c62a12", size: 14, isOnTop: true });
+    layers.push({ kind: "points", id: "marked", positions: Float32Array.from(marked.flat()), paint: "#c62a12", size: 14, isMark: true });
   }
   return layers;
 }

@@ -1,6 +1,6 @@
 // Lengths in pixels, counted as the command does: in the corners of the screen, where perspective stretches the most.
 import type { Vec3, View } from "../viewer";
-import { STEEPEST, eyeOf } from "../viewer/view";
+import { eyeOf, facing } from "../viewer/view";
 import type { Screen } from "./document";
 
 export type Box = readonly [low: Vec3, high: Vec3];
@@ -16,13 +16,7 @@ export function awayFrom([low, high]: Box, view: View): number {
 
 /** A view of a point from outside the box, on the point's side: from behind, the shape would hide it. */
 export function towards(at: Vec3, view: View, home: View): View {
-  const [x, y, z] = at.map((value, k) => value - home.target[k]!) as [number, number, number];
-  const [flat, distance] = [Math.hypot(x, y), home.distance / 3];
-  // A point near the centre has no side.
-  if (Math.hypot(flat, z) < NEAREST * home.distance) return { ...view, target: at, distance };
-  const degrees = (radians: number) => (radians * 180) / Math.PI;
-  const elevation = Math.max(-STEEPEST, Math.min(STEEPEST, degrees(Math.atan2(z, flat))));
-  return { azimuth: flat > 0 ? degrees(Math.atan2(y, x)) : view.azimuth, elevation, distance, target: at };
+  return { ...facing(at, { ...view, distance: home.distance }, home.target), target: at, distance: home.distance / 3 };
 }
 
 const halfTan = (fovDeg: number): number => Math.tan((fovDeg * Math.PI) / 360);

@@ -71,6 +71,7 @@ export interface Texts {
   sound: string;
   /** Shows `n` places, all or only the first. */
   showPlaces(n: string, isPart: boolean): string;
+  place(n: number): string;
   /** The button of a repair; `what` is its effect. */
   cure(what: string): string;
   cureAll: string;
@@ -174,6 +175,7 @@ export const TEXTS: Record<Language, Texts> = {
     findings: "Defects",
     sound: "No defects were found: the mesh is sound.",
     showPlaces: (n, isPart) => (isPart ? `Show the first ${n}` : n === "1" ? "Show it" : `Show all ${n}`),
+    place: (n) => `Turn to place ${n}`,
     cure: (what) => `Repair: ${what}`,
     cureAll: "Repair all",
     combine: "Combine with",
@@ -281,6 +283,7 @@ export const TEXTS: Record<Language, Texts> = {
     findings: "问题",
     sound: "没有发现问题：网格是健全的。",
     showPlaces: (n, isPart) => (isPart ? `显示前 ${n} 处` : `显示 ${n} 处`),
+    place: (n) => `转到第 ${n} 处`,
     cure: (what) => `修复：${what}`,
     cureAll: "全部修复",
     combine: "与另一形状组合",

@@ -1,4 +1,4 @@
-// Dots in 3D have the requested width in CSS pixels, on screens of several densities.
+// Dots and lines in 3D have the requested width in CSS pixels, on screens of several densities, and are faint behind a body.
 import { readFile } from "node:fs/promises";
 import { extname, join } from "node:path";
 import { afterAll, beforeAll, expect, test } from "vitest";
@@ -6,7 +6,8 @@ import { build } from "vite";
 import { ROOT, Site } from "./site";
 
 declare global {
-  var widthOfDot: (size: number) => number;
+  var widthOf: (what: "dot" | "line", size: number) => number;
+  var colorOfMark: (what: "dot" | "line", isBehind: boolean) => number[];
 }
 
 const BUILT = join(ROOT, "node_modules/.dots-page");
@@ -20,7 +21,7 @@ beforeAll(async () => {
 });
 afterAll(() => site?.close());
 
-test.each([1, 2, 3])("a dot of 9 pixels is that wide at a density of %s", async (density) => {
+test.each([1, 2, 3])("dots and lines are as wide as they should be at a density of %s, and marks show whether a body hides them", async (density) => {
   const { page, errors } = await site.visit("dots/index.html", {
     deviceScaleFactor: density,
     prepare: (page) =>
@@ -29,11 +30,18 @@ test.each([1, 2, 3])("a dot of 9 pixels is that wide at a density of %s", async 
         await route.fulfill({ body: await readFile(join(BUILT, name)), contentType: TYPES[extname(name)] ?? "application/octet-stream" });
       }),
   });
-  await page.waitForFunction(() => "widthOfDot" in window);
-  for (const size of [9, 15]) {
-    const width = await page.evaluate((of) => widthOfDot(of), size);
-    // A device pixel at each end may be half covered.
-    expect(Math.abs(width - size), `${width} pixels for ${size}`).toBeLessThanOrEqual(1);
+  await page.waitForFunction(() => "colorOfMark" in window);
+  for (const what of ["dot", "line"] as const) {
+    for (const size of [9, 15]) {
+      const width = await page.evaluate(([what, of]) => widthOf(what, of), [what, size] as const);
+      // A device pixel at each end may be half covered.
+      expect(Math.abs(width - size), `${width} pixels for ${size}`).toBeLessThanOrEqual(1);
+    }
+    expect(await page.evaluate((what) => colorOfMark(what, false), what)).toEqual([255, 0, 0]);
+    const [r, g, b] = await page.evaluate((what) => colorOfMark(what, true), what);
+    expect(r).toBe(255);
+    expect(g, "of a hidden mark something is left, and most is not").toSatisfy((green: number) => green > 140 && green < 245);
+    expect(b).toBe(g);
   }
   await page.context().close();
   expect(errors).toEqual([]);
