@@ -1,5 +1,6 @@
 // The frame of every exhibit: title and claim, figure and handle, the live number, the texts, links to the other stops.
 import { Figure as Data } from "../view/parts";
+import { Hint } from "../view/Hint";
 import { Themes } from "../view/Themes";
 import type { AnyExhibit, LiveNumber, Page } from "./exhibit";
 import { type Entry, PARTS, STOPS, type Stop, WIDGET, fileOf, fileOfStop } from "./index";
@@ -59,7 +60,7 @@ export function Frame(props: FrameProps) {
             <div class="stage" id="figure" tabindex={-1}>
               <exhibit.Figure page={page} />
               <p class="aside hint" id="hint">
-                {isStill ? words.still : texts.hint}
+                {isStill ? words.still : <Hint text={texts.hint} />}
               </p>
             </div>
             {!isEmbedded && (
@@ -197,7 +198,7 @@ export function Onward({ stop, language }: { stop: Stop; language: Language }) {
       )}
       {stop === WIDGET && (
         <a class="to-all" href={fileOf("exhibits", language)}>
-          {words.tour}
+          {words.tour(STOPS.length)}
         </a>
       )}
       <a class="to-bench" href={language === "en" ? "workbench.html" : `workbench.${language}.html`}>

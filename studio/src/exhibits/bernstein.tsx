@@ -66,12 +66,14 @@ interface Texts extends CommonTexts {
   graph: string;
   inside(t: string): string;
   outside: string;
+  /** A weight is negative, and the point happens to lie in the hull. */
+  beyond: string;
   end: string;
 }
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point along the curve, or use the slider or the arrow keys: Shift for small steps, Home and End for the ends and beyond.",
+    hint: "Drag the point along the curve, or move the slider.{keys} Arrow keys move it, with Shift by small steps; Home and End go beyond the ends.",
     figure: "A cubic curve with its control points, their hull and de Casteljau’s construction",
     handle: "The parameter t",
     spoken: (t) => `t = ${t}`,
@@ -83,6 +85,7 @@ const texts: Record<Language, Texts> = {
     graph: "The four weights over t: none is negative between 0 and 1",
     inside: (t) => `At t = ${t} no weight is negative and they sum to one: the point is a mixture of the four, so it lies in their hull.`,
     outside: "Beyond the ends a weight is negative. The sum is still one, but this is not a mixture any more, and the point has left the hull.",
+    beyond: "Beyond the ends a weight is negative. Nothing keeps the point in the hull any more; here it still happens to be inside.",
     end: "At an end one weight is 1 and the others are 0: the curve starts and ends at its end points.",
     story: [
       "A cubic Bézier curve is four points and four *weights*, the polynomials (1−t)³, 3t(1−t)², 3t²(1−t) and t³, drawn as discs. Between t = 0 and t = 1 none is negative, and they sum to one. So the curve cannot leave the *hull*, the shape that a rubber band around the four points would take.",
@@ -94,8 +97,8 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "沿曲线拖动点，或用滑块、方向键：加 Shift 走小步，Home 和 End 到两端之外。",
-    figure: "一条三次曲线，带控制点、凸包和德卡斯特里奥作图",
+    hint: "沿曲线拖动点，或移动滑块。{keys}方向键移动它，加 Shift 走小步，Home 和 End 到两端之外。",
+    figure: "一条三次曲线，带控制点、凸包和德卡斯特里奥算法",
     handle: "参数 t",
     spoken: (t) => `t = ${t}`,
     form: "曲线",
@@ -106,6 +109,7 @@ const texts: Record<Language, Texts> = {
     graph: "四个权重随 t 的变化：在 0 与 1 之间都不为负",
     inside: (t) => `t = ${t} 时没有负权重，总和为一：点是四个控制点的混合，因此在凸包内。`,
     outside: "越过端点，就有权重为负。总和仍是一，但已经不是混合：点离开了凸包。",
+    beyond: "越过端点，就有权重为负。凸包不再留得住这个点，只是此刻它碰巧还在里面。",
     end: "在端点处一个权重为 1，其余为 0：曲线以两个端点为起点和终点。",
     story: [
       "三次贝塞尔曲线由四个点和四个*权重*组成，权重是伯恩斯坦多项式 (1−t)³、3t(1−t)²、3t²(1−t) 和 t³，即圆盘的大小。t 在 0 与 1 之间时，它们都不为负，总和为一，所以曲线不会离开*凸包*，也就是橡皮筋绷住四个点的形状。",
@@ -199,9 +203,11 @@ function Figure({ page }: { page: Page }) {
 function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
   const meaning = !answer.is_in_hull
     ? texts.outside
-    : state.t === 0 || state.t === 1
-      ? texts.end
-      : texts.inside(say.fixed(state.t));
+    : answer.smallest < 0
+      ? texts.beyond
+      : state.t === 0 || state.t === 1
+        ? texts.end
+        : texts.inside(say.fixed(state.t));
   return {
     value: answer.smallest,
     shown: say.fixed(answer.smallest, 3),

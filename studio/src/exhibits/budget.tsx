@@ -59,7 +59,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "The slider halves the budget, a length. Arrow keys move it, too.",
+    hint: "The slider halves the budget, a length.{keys} Arrow keys move it.",
     figure: "Triangles against the budget, both logarithmic, for seven representations of a shape",
     shape: "Written as",
     shapes: {
@@ -98,7 +98,7 @@ const texts: Record<Language, Texts> = {
     y: "segments or triangles",
     story: [
       "A surface is cut in two directions. Half the error takes √2 times the cuts in each, so *twice the triangles*: by decades a line of slope −1, for patches, cage, NURBS and field alike. A curve is cut in one direction: −½. Samples and meshes are copies, and their lines end at their own error.",
-      "A chord that is half as long misses the curve by a quarter. That is where √2 comes from: the error falls with the square of the segments.",
+      "A chord that is half as long misses the curve by a quarter as much. That is where √2 comes from: the error falls with the square of the segments.",
       "The lines differ in height. The height says how much the shape bends, and how well the triangles are placed: they have to be smallest where it bends most. NURBS, field, samples and mesh are one and the same torus here, 3 units wide; patches are the teapot, and the cage is a cube of 4 units.",
       "*Samples* cannot be meshed more coarsely than their cells, nor more closely than they were taken. *A mesh* is simplified, with the distance proved: a coarse one takes the fewest triangles of all, a fine one approaches its source and ends there. The error of the copies is included here.",
       "You choose the budget; the bound is the error that was made, proved. Every representation takes the same budget and gives one count.",
@@ -109,7 +109,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "滑块把允许的误差减半，也可以用方向键。",
+    hint: "滑块把允许的误差减半。{keys}方向键也能移动它。",
     figure: "写下形状的七种方法：三角形数随允许误差的变化，双对数坐标",
     shape: "写成",
     shapes: {
@@ -118,10 +118,10 @@ const texts: Record<Language, Texts> = {
       cage: "控制网格",
       nurbs: "NURBS",
       field: "场",
-      volume: "采样",
+      volume: "样本",
       mesh: "网格",
     },
-    lines: { curve: "曲线", patch: "曲面片", cage: "控制网格", nurbs: "NURBS", field: "场", volume: "采样", mesh: "网格" },
+    lines: { curve: "曲线", patch: "曲面片", cage: "控制网格", nurbs: "NURBS", field: "场", volume: "样本", mesh: "网格" },
     step: "允许的误差（单位）",
     within: (length) => `至多 ${length} 个单位`,
     label: "斜率：长度缩小时数目怎样增长",
@@ -129,12 +129,12 @@ const texts: Record<Language, Texts> = {
       curve: ({ times }) => `规律是 −½：从这里起，误差减半要 ${times} 倍的线段。误差随线段数的平方下降。`,
       surface: ({ times }) => `规律是 −1（三角形足够小时）：从这里起，误差减半要 ${times} 倍的三角形，因为要在两个方向上加密。`,
       volume: ({ count, off }) =>
-        `没有规律：无论允许多大误差，采样都给出各单元的三角形，共 ${count} 个。它们偏离圆环至多 ${off}，不能再近。`,
-      mesh: ({ off }) => `网格只能抽稀。越接近自己原有的三角形，就越比 −1 陡；原有的三角形偏离圆环至多 ${off}，到此为止。`,
+        `没有规律：无论允许多大误差，样本都给出各单元的三角形，共 ${count} 个。它们偏离环面至多 ${off}，不能再近。`,
+      mesh: ({ off }) => `网格只能抽稀。越接近自己原有的三角形，就越比 −1 陡；原有的三角形偏离环面至多 ${off}，到此为止。`,
     },
     missing: {
-      volume: (off) => `得不到：采样偏离圆环至多 ${off}，要更近就得采更多样本。`,
-      mesh: (off) => `得不到：网格本身已偏离圆环至多 ${off}，要更近就得从它的来源重新生成。`,
+      volume: (off) => `得不到：样本偏离环面至多 ${off}，要更近就得多取样本。`,
+      mesh: (off) => `得不到：网格本身已偏离环面至多 ${off}，要更近就得从它的来源重新生成。`,
     },
     count: { curve: "线段数", surface: "三角形数" },
     bound: "已证明的误差上界",
@@ -144,13 +144,13 @@ const texts: Record<Language, Texts> = {
     x: "允许的误差，越往右越小",
     y: "线段数或三角形数",
     story: [
-      "曲面要在两个方向上切分。误差减半，每个方向要 √2 倍，合起来*三角形加倍*：双对数坐标上斜率为 −1，曲面片、控制网格、NURBS 和场都一样。曲线只有一个方向，斜率 −½。采样和网格是副本，到自身的误差为止。",
+      "曲面要在两个方向上切分。误差减半，每个方向要 √2 倍，合起来*三角形加倍*：双对数坐标上斜率为 −1，曲面片、控制网格、NURBS 和场都一样。曲线只有一个方向，斜率 −½。样本和网格是副本，到自身的误差为止。",
       "弦长减半，弦高误差降到四分之一，√2 由此而来：误差随线段数的平方下降。",
-      "不同的是线的高低。它说明形状弯曲得有多厉害，三角形安排得有多好：弯得最厉害的地方，三角形必须最小。这里的 NURBS、场、采样和网格是同一个圆环，宽 3 个单位；曲面片是茶壶，控制网格是边长 4 的立方体。",
-      "*采样*的网格不能比单元更粗，也不能比采样时更准。*网格*经简化，距离有证明：粗的网格用的三角形最少，细的则逼近来源，然后就没有了。副本已有的误差这里也算在内。",
+      "不同的是线的高低。它说明形状弯曲得有多厉害，三角形安排得有多好：弯得最厉害的地方，三角形必须最小。这里的 NURBS、场、样本和网格是同一个环面，宽 3 个单位；曲面片是茶壶，控制网格是边长 4 的立方体。",
+      "*样本*的网格不能比单元更粗，也不能比采样时更准。*网格*经简化，距离有证明：粗的网格用的三角形最少，细的则逼近来源，然后就没有了。副本已有的误差这里也算在内。",
       "误差预算由人来定，上界说明实际损失，而且经过证明。各种写法放进去，各得出一个数。",
     ],
-    attempts: ["比较曲面片、NURBS 和场的斜率，再比较高低。", "选采样，再选网格，往右移：各到哪里为止？"],
+    attempts: ["比较曲面片、NURBS 和场的斜率，再比较高低。", "选样本，再选网格，往右移：各到哪里为止？"],
   },
 };
 

@@ -68,9 +68,9 @@ const texts: Record<Language, Texts> = {
     same: "Both patches happen to have the same number: the same vertices, and no crack.",
     closed: (length) => `One side, cut once: both patches use the same vertices by index. It is within ${length} of the curve, as with the right patch’s own number.`,
     story: [
-      "Two patches with a common side are one surface: the formulas agree to the last bit. Their triangles need not. A side in three segments and the same side in five are *two different chains of chords*, and the background shows between them. The solution is a rule: *how finely a side is cut may depend on that side alone*.",
-      "Even with six on one side and three on the other, where every second vertex has a partner, the vertices between have none and lie on a long edge or just off it: *T-junctions*. On a flat side they are hidden, but rounding makes them flicker. Printing, booleans and physics need an inside, and fail on them.",
-      "The solution is a rule and not a repair: *how finely a side is cut may depend only on data that both patches have*, the side itself. Chordal cuts each shared side once, by its own curve and the budget, and both patches take those vertices by index. However they are cut inside, the seam is closed.",
+      "Two patches with a common side are one surface: they have the same control points there. Their triangles need not agree. A side in three segments and the same side in five are *two different chains of chords*, and the background shows between them. So *how finely a side is cut may depend on that side alone*.",
+      "Even with six on one side and three on the other, where every second vertex has a partner, the vertices between have none and lie on a long edge or just off it: *T-junctions*. On a straight side nothing gapes, and yet rounding lets single pixels show through. Printing, booleans and physics need an inside, and fail on them.",
+      "That is a rule and not a repair, and it needs only data that both patches have. Chordal cuts each shared side once, by its own curve and the budget, and both patches take those vertices by index. However they are cut inside, the seam is closed.",
     ],
     attempts: [
       "Try 6 and 12, multiples of three: are all vertices of the left side on the right one? Is the crack gone?",
@@ -94,9 +94,9 @@ const texts: Record<Language, Texts> = {
     same: "两片的分段数恰好相同：顶点相同，没有裂缝。",
     closed: (length) => `一条边只分一次：两片按索引共用同样的顶点。它与曲线的距离不超过 ${length}，与右片自行分段时相同。`,
     story: [
-      "有公共边的两片是同一个曲面：公式逐位一致，三角形却未必。同一条边分三段和分五段，是*两条不同的折线*，分开的地方就能看穿。解决办法是一条规则：*一条边分得多细，只能由这条边本身决定*。",
-      "即使一侧六段、另一侧三段，每隔一个顶点就有对应，中间的顶点仍是孤立的，靠着一条长边，或差之毫厘：这就是 *T 形接点*。边是直的时候看不出来，舍入误差却使它闪烁。凡是要分内外的，打印、布尔运算、物理，都过不了这道缝。",
-      "解决办法是一条规则，而不是修补：*一条边分得多细，只能由两片都看得见的东西决定*，也就是这条边本身。Chordal 按边的曲线和误差预算只分一次，两片按索引取用这些顶点。片内怎样剖分都不要紧，接缝总是闭合的。",
+      "有公共边的两片是同一个曲面：边上的控制点完全相同，三角形却未必。同一条边分三段和分五段，是*两条不同的折线*，分开的地方就能看穿。所以*一条边分得多细，只能由这条边本身决定*。",
+      "即使一侧六段、另一侧三段，每隔一个顶点就有对应，中间的顶点仍是孤立的，靠着一条长边，或差之毫厘：这就是 *T 形接点*。边是直的时候没有裂缝，舍入误差却会让个别像素漏出背景。凡是要分内外的，打印、布尔运算、物理，都过不了这道缝。",
+      "这是一条规则，不是修补，用到的只是两片都有的数据。Chordal 按边的曲线和误差预算只分一次，两片按索引取用这些顶点。片内怎样剖分都不要紧，公共边总是闭合的。",
     ],
     attempts: [
       "取 6 和 12 这样的三的倍数：左边的顶点都在右边上吗？裂缝消失了吗？",

@@ -3,6 +3,7 @@ import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, toSvg } from "./Flat";
 import { point, word } from "./fragment";
+import { FRAME } from "./frame_texts";
 import { px } from "./Grip";
 import { type Region, Regions, outline } from "./Regions";
 import type { Language } from "./say";
@@ -50,7 +51,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point, or move it with the arrow keys: Shift for small steps, Page Up and Page Down for large ones.",
+    hint: FRAME.en.drag,
     figure: "A disc and a rectangle combined, with lines of equal value; red where the value is not a distance",
     probe: "The probe",
     at: (x, y) => `x ${x}, y ${y}`,
@@ -71,7 +72,7 @@ const texts: Record<Language, Texts> = {
     known: { "exact distance": "exact", "lower bound": "a bound" },
     wrong: "red: the value is not a distance",
     story: [
-      "On fields a boolean is one line. The union contains points in either shape: *min(a, b)*. The intersection contains points in both: *max(a, b)*. A without B is *max(a, −b)*. The sign is right everywhere; the value is not. Inside a union the nearest surface of a part may be covered by the other, and the value is *less* than the distance.",
+      "On fields a boolean is one line. The union contains points in either shape: *min(a, b)*. The intersection contains points in both: *max(a, b)*. A without B is *max(a, −b)*. The sign is right everywhere; the value is not. Inside a union the nearest surface of a part may be covered by the other, and the value is *smaller in size* than the distance.",
       "Likewise outside an intersection: the nearest point of one part may not lie in the other. On two meshes a boolean has to intersect their triangles, and cracks if rounding goes wrong.",
       "A smaller value is harmless for sphere tracing, which only takes shorter steps. It matters for shells, offsets and rounded edges, which rely on the value. The core tracks this on either side: exact, bound, or only a sign.",
       "The true distance is measured to the outline of the result, traced within a thousandth of a unit.",
@@ -82,33 +83,33 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动这个点，或用方向键移动：加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    hint: FRAME.zh.drag,
     figure: "圆盘与矩形的组合及其等值线；红色处的值不是距离",
-    probe: "探针",
+    probe: "测试点",
     at: (x, y) => `x ${x}，y ${y}`,
     legend: "圆盘 A 与矩形 B",
     operation: { union: "并", intersection: "交", difference: "A 减 B" },
     rule: { union: "min(a, b)", intersection: "max(a, b)", difference: "max(a, −b)" },
     label: "值与真实距离之比",
-    surface: "探针在表面上：两者都是零。",
+    surface: "测试点在表面上：两者都是零。",
     exact: (truth) => `这里的值就是距离 ${truth}：两个圆重合。`,
     less: (value, truth) => `值为 ${value}，而到表面最近点的距离是 ${truth}。仍然安全：值从不大于距离。`,
     value: "值",
     truth: "真实距离",
     of: ["A 的值", "B 的值"],
     says: (side, what) => `${side}${what}`,
-    outside: "内核所知，外部：",
-    inside: "内核所知，内部：",
+    outside: "核心所知，外部：",
+    inside: "核心所知，内部：",
     known: { "exact distance": "精确距离", "lower bound": "下界" },
     wrong: "红色：值不是距离",
     story: [
-      "对场来说，布尔运算只要一行。并集是至少属于其一：*min(a, b)*；交集是两者都属于：*max(a, b)*；A 减 B 是 *max(a, −b)*。符号处处正确，值却不然：在并集内部，某一部分最近的表面可能被另一部分盖住，这时值*小于*距离。",
+      "对场来说，布尔运算只要一行。并集是至少属于其一：*min(a, b)*；交集是两者都属于：*max(a, b)*；A 减 B 是 *max(a, −b)*。符号处处正确，值却不然：在并集内部，某一部分最近的表面可能被另一部分盖住，这时值的大小*小于*距离。",
       "在交集外部也一样：某一部分的最近点可能不在另一部分里。换成两个网格，就要求所有三角形的交，舍入一出错便有裂缝。",
-      "值偏小对球面追踪无害，只是步子变短。但对壳、偏移和倒圆就有影响，它们直接把值当作距离。内核对内外两侧分别记账：精确、下界，或只有符号。",
+      "值偏小对球面追踪无害，只是步子变短。但对壳、偏移和倒圆就有影响，它们直接把值当作距离。核心对内外两侧分别记账：精确、下界，或只有符号。",
       "真实距离是到结果轮廓的距离，轮廓的误差在千分之一个单位以内。",
     ],
     attempts: [
-      "并：让探针从 A 穿过红色区域到 B。值仍然相信的那段表面在哪里？",
+      "并：让测试点从 A 穿过红色区域到 B。值仍然相信的那段表面在哪里？",
       "A 减 B：在外部找出值偏离最大的点。",
     ],
   },

@@ -58,7 +58,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Press a triangle to turn it over. Drag to turn the ball; the number follows the eye. Keys: arrows turn, + and − zoom, Home goes back.",
+    hint: "Press a triangle to turn it over. Drag to turn the ball; the number follows the eye.{keys} Arrow keys turn, + and − zoom, Home goes back.",
     figure: "A ball of 80 triangles, some of them wound the other way",
     handle: "Triangle",
     triangle: (n, is) => `number ${n}, ${is ? "turned over" : "as at first"}`,
@@ -96,7 +96,7 @@ const texts: Record<Language, Texts> = {
     volume: "Volume, by the order of corners",
     noVolume: "none",
     story: [
-      "A file does not say which side of a triangle is out. The *order of its corners* does: seen from the front they run counter-clockwise. On a closed surface the backs are inside, so a graphics processor leaves out triangles that run clockwise on the screen, *half of all triangles or more*. It checks only the order.",
+      "A file does not say which side of a triangle is out. The *order of its corners* does: seen from the front they run counter-clockwise. On a closed surface the backs are inside, so a graphics processor leaves out triangles that run clockwise on the screen, *about half of them*, more if the eye is near. It checks only the order.",
       "Two neighbours agree if they run along their common edge in opposite ways. Turn one over and its three edges disagree. At rest, with both sides drawn, nobody sees it; lit or culled, it is a hole. That is why two meshes that look alike can behave differently.",
       "Turn over all triangles of a ball that agrees, and every edge agrees again. But now the ball is inside out: by its corners its volume would be negative.",
     ],
@@ -106,7 +106,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "点按一个三角形即可翻转它。拖动可旋转球，数字随视点变化。键盘：方向键旋转，+ 和 − 缩放，Home 复位。",
+    hint: "点按一个三角形即可翻转它。拖动可旋转球，数字随视点变化。{keys}方向键旋转，+ 和 − 缩放，Home 复位。",
     figure: "由 80 个三角形组成的球，其中有些环绕方向相反",
     handle: "三角形",
     triangle: (n, is) => `第 ${n} 个，${is ? "已翻转" : "原样"}`,
@@ -118,7 +118,7 @@ const texts: Record<Language, Texts> = {
     painted: "涂成橙色",
     label: { culled: "朝向你的孔", painted: "朝向你的背面" },
     whole: {
-      culled: "所有三角形方向一致：剔除去掉了背对视点的一半，谁也看不出来。",
+      culled: "所有三角形方向一致：剔除去掉了背对视点的三角形，谁也看不出来。",
       painted: "所有三角形方向一致：背面都朝里，从这里一个也看不见。",
     },
     away: {
@@ -142,7 +142,7 @@ const texts: Record<Language, Texts> = {
     volume: "按顶点次序算出的体积",
     noVolume: "无",
     story: [
-      "文件里并没有写三角形哪面朝外，写明的是*顶点的次序*：从正面看，顶点按逆时针排列。封闭曲面的背面都在里面，所以图形处理器把屏幕上按顺时针排列的三角形全部去掉，*占一半以上*。这就是背面剔除，它只看次序。",
+      "文件里并没有写三角形哪面朝外，写明的是*顶点的次序*：从正面看，顶点按逆时针排列。封闭曲面的背面都在里面，所以图形处理器把屏幕上按顺时针排列的三角形全部去掉，*大约一半*，视点近时更多。这就是背面剔除，它只看次序。",
       "两个相邻三角形沿公共边的走向相反，就算一致。翻转其中一个，它的三条边就都不一致。静止地双面绘制时看不出来；一打光、一剔除，就是一个孔。两个看上去一样的网格表现不同，原因就在这里。",
       "把方向一致的球的所有三角形都翻转，每条边仍然一致，但球里外颠倒：按顶点次序算，体积成了负数。",
     ],

@@ -3,6 +3,7 @@ import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path, toSvg } from "./Flat";
 import { number, point, word } from "./fragment";
+import { FRAME } from "./frame_texts";
 import { px } from "./Grip";
 import { type Loops, type Region, Regions, outline } from "./Regions";
 import type { Language } from "./say";
@@ -61,7 +62,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point, or move it with the arrow keys: Shift for small steps, Page Up and Page Down for large ones.",
+    hint: FRAME.en.drag,
     figure: "A rounded frame around a hole, the lines of equal distance to it, and a point to move",
     probe: "The point",
     at: (x, y) => `x ${x}, y ${y}`,
@@ -85,7 +86,7 @@ const texts: Record<Language, Texts> = {
     normal: "Normal",
     none: "none",
     story: [
-      "A mesh lists points on a shape, which can be drawn at once. A field is a rule that can be evaluated at any point: inside is *one sign*, the value is the distance, and its gradient, scaled to length one, is the normal. The mesh has to be searched: a ray leaves the point, and the edges that it crosses are counted by their direction.",
+      "A mesh lists points on a shape, which can be drawn at once. A distance field is a rule that can be evaluated at any point: inside is *one sign*, the size is the distance, and the gradient is the normal of the nearest point. The mesh has to be searched: a ray leaves the point, and the edges that it crosses are counted by their direction.",
       "For this frame the rule is one line: the distance to a rounded rectangle, its absolute value, minus half of the wall. For the mesh, the distance is the smallest of the distances to all edges. Trees make the search fast, but they have to be built.",
       "A mesh of a round shape has an error. The core proves a bound on it, so the two distances differ by no more than that.",
     ],
@@ -95,7 +96,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动这个点，或用方向键移动：加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    hint: FRAME.zh.drag,
     figure: "一个带孔的圆角框、到它的等距线，以及一个可移动的点",
     probe: "测试点",
     at: (x, y) => `x ${x}，y ${y}`,
@@ -118,9 +119,9 @@ const texts: Record<Language, Texts> = {
     normal: "法线",
     none: "无",
     story: [
-      "网格列出形状上的点，拿来就能画。场是一条规则，任何点都能代入：内外*只看一个符号*，函数值就是距离，把梯度单位化就是法线。网格则要搜索：从点出发作一条射线，按方向给穿过的边计数。",
+      "网格列出形状上的点，拿来就能画。距离场是一条规则，任何点都能代入：内外*只看一个符号*，绝对值就是距离，梯度就是最近点处的法线。网格则要搜索：从点出发作一条射线，按方向给穿过的边计数。",
       "这个框的规则只有一行：到圆角矩形的距离取绝对值，再减去壁厚的一半。网格的距离是到所有边的距离中最小的；用树可以加速，但树要先建好。",
-      "用网格表示圆的东西，总有误差。内核证明了误差的上界，所以两种距离之差不会超过它。",
+      "用网格表示圆的东西，总有误差。核心证明了误差的上界，所以两种距离之差不会超过它。",
     ],
     attempts: [
       "把点移进孔里：两者都说在外部。哪一个需要计数？",

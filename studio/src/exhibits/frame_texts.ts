@@ -18,8 +18,10 @@ interface FrameTexts {
   still: string;
   more: string;
   /** A link from the widget, which is in the middle of the tour, to the first stop. */
-  tour: string;
+  tour(n: number): string;
+  /** How to turn a figure in space, and how to move a point of the plane. */
   turn: string;
+  drag: string;
   footer: string;
   damaged: string;
   rebuilt: string;
@@ -43,10 +45,11 @@ export const FRAME: Record<Language, FrameTexts> = {
     onward: "Before and after",
     widget: "How many segments until it looks smooth?",
     widgetClaim: "Twice the segments, a quarter of the error.",
-    tour: "All 22 stops, from the first",
+    tour: (n) => `All ${n} stops, from the first`,
     more: "More of it",
     still: "Still picture; it can be moved once the page has loaded (JavaScript and WebAssembly).",
-    turn: "Drag to turn, two fingers or Ctrl and the wheel to zoom. Keys: arrows turn, Shift with arrows pans, + and − zoom, Home goes back.",
+    turn: "Drag to turn.{touch} Two fingers zoom and pan.{mouse} Ctrl and the wheel zoom.{keys} Arrow keys turn, with Shift they pan; + and − zoom, Home goes back.",
+    drag: "Drag the point.{keys} Arrow keys move it, with Shift by small steps; Page Up and Page Down by large ones.",
     footer:
       "Every number here is computed by Chordal’s core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address contains your changes.",
     damaged: "Part of this address could not be read. Missing values are set to their defaults.",
@@ -69,16 +72,17 @@ export const FRAME: Record<Language, FrameTexts> = {
     onward: "前后展品",
     widget: "多少条线段才显得光滑？",
     widgetClaim: "线段数加倍，误差降到四分之一。",
-    tour: "全部 22 站，从第一站开始",
+    tour: (n) => `全部 ${n} 站，从第一站开始`,
     more: "展开阅读",
     still: "静态图；页面加载完成后即可操作（需要 JavaScript 和 WebAssembly）。",
-    turn: "拖动旋转；双指或 Ctrl 加滚轮缩放。键盘：方向键旋转，Shift 加方向键平移，+ 和 − 缩放，Home 复位。",
+    turn: "拖动旋转。{touch}双指缩放、平移。{mouse}Ctrl 加滚轮缩放。{keys}方向键旋转，加 Shift 平移，+ 和 − 缩放，Home 复位。",
+    drag: "拖动这个点。{keys}方向键移动它，加 Shift 走小步，Page Up 和 Page Down 走大步。",
     footer:
-      "这里的每个数字都由 Chordal 的内核算出，与命令行和库是同一份代码，编译成 WebAssembly。不向任何地方发送数据。地址里记录了你所做的改动。",
+      "这里的每个数字都由 Chordal 的核心算出，与命令行和库是同一份代码，编译成 WebAssembly。不向任何地方发送数据。地址里记录了你所做的改动。",
     damaged: "地址中有一部分无法识别，相应内容已恢复为默认值。",
     rebuilt: "计算出错，已重新启动。你的改动没有丢失。",
     lost: "计算无法在这里运行：WebAssembly 多次出错。画面不再随你的操作变化；请重新载入页面再试。",
     part: (n) => `第 ${n} 部分`,
-    refused: (why) => `内核拒绝了这个请求：${why}`,
+    refused: (why) => `核心拒绝了这个请求：${why}`,
   },
 };

@@ -48,8 +48,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 1,
     title: { en: "Three weights", zh: "三个权重" },
     claim: {
-      en: "Three corners blend in one way only. Four corners leave a choice.",
-      zh: "三个角的混合方式唯一；四个角就有歧义。",
+      en: "Three corners blend linearly in one way only. Four corners leave a choice.",
+      zh: "三个顶点的线性混合方式唯一，四个顶点就要做选择。",
     },
     load: () => import("./weights"),
   },
@@ -108,8 +108,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 3,
     title: { en: "Where curves meet", zh: "曲线相接之处" },
     claim: {
-      en: "C0 meets with a kink, C1 has none and still breaks a reflection, and C2 keeps it smooth.",
-      zh: "C0 有折角；C1 没有折角，反射的条纹却仍会折；C2 让条纹连续通过。",
+      en: "C0 allows a kink; C1 has none and still breaks a reflection; equal curvature, G2, keeps it smooth.",
+      zh: "C0 允许折角；C1 没有折角，反射的条纹却仍会折；曲率也相等（G2），条纹才连续通过。",
     },
     load: () => import("./joins"),
   },
@@ -118,8 +118,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 3,
     title: { en: "One polynomial or many", zh: "一个多项式还是许多段" },
     claim: {
-      en: "One polynomial through many points moves everywhere when one point does.",
-      zh: "一个多项式穿过许多点，一点移动，处处都动。",
+      en: "If one point moves, a polynomial through many moves between all the others.",
+      zh: "一个多项式穿过许多点：一点移动，其余各点之间处处都动。",
     },
     load: () => import("./runge"),
   },
@@ -138,8 +138,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 3,
     title: { en: "From cage to limit", zh: "从控制网格到极限曲面" },
     claim: {
-      en: "Each round of subdivision has four times the faces and leaves a quarter of the error.",
-      zh: "每细分一次，面数变为四倍，误差降到四分之一。",
+      en: "Each round of subdivision has four times the faces and leaves about a quarter of the error.",
+      zh: "每细分一次，面数变为四倍，误差约降到四分之一。",
     },
     load: () => import("./cage"),
   },
@@ -169,7 +169,7 @@ export const EXHIBITS: readonly Entry[] = [
     title: { en: "Rays that leap", zh: "跳跃的射线" },
     claim: {
       en: "The value is a safe step, so rays leap; rays that graze the surface take many steps.",
-      zh: "场的值就是安全的步长，所以光线可以跳跃；掠过表面的要走很多步。",
+      zh: "场的值就是安全的步长，所以射线可以跳跃；掠过表面的要走很多步。",
     },
     load: () => import("./tracing"),
   },
@@ -208,7 +208,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "The cliff below a pixel", zh: "小于像素的悬崖" },
     claim: {
-      en: "Below a pixel triangles cost four times as much and show nothing more.",
+      en: "Triangles below a pixel cost four times as much and show nothing more.",
       zh: "小于一个像素的三角形，代价是四倍，却不多显示任何东西。",
     },
     load: () => import("./overshade"),

@@ -3,6 +3,7 @@ import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
 import { point, word } from "./fragment";
+import { FRAME } from "./frame_texts";
 import type { Language } from "./say";
 
 interface State {
@@ -43,7 +44,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point, or move it with the arrow keys: Shift for small steps, Page Up and Page Down for large ones.",
+    hint: FRAME.en.drag,
     figure: "A triangle, the lines of its three edges, and a point to move",
     probe: "The point",
     at: (x, y) => `x ${x}, y ${y}`,
@@ -72,7 +73,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动这个点，或用方向键移动：加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    hint: FRAME.zh.drag,
     figure: "一个三角形、三条边所在的直线，以及一个可移动的点",
     probe: "测试点",
     at: (x, y) => `x ${x}，y ${y}`,
@@ -93,7 +94,7 @@ const texts: Record<Language, Texts> = {
       "从一个顶点走向下一个顶点，一个点不是在左边就是在右边，一个乘积就能分辨：*边函数* (b − a) × (p − a)。三角形是凸的，所以“在内部”就是*位于三条边的同一侧*。光栅化硬件正是这样判断每个像素的。",
       "边函数对像素位置是线性的，移到下一个像素只需三次加法。",
       "把顶点次序反过来，三个符号全部翻转。符号一致处仍是内部；只是现在都为负，说明看到的是背面。",
-      "这里的符号是精确的。若靠近边时因舍入而判错，一个像素会同时属于两个相邻三角形，或者谁也不要，出现裂缝。内核使用 Shewchuk 的谓词：符号需要多少位，就算多少位。",
+      "这里的符号是精确的。若靠近边时因舍入而判错，一个像素会同时属于两个相邻三角形，或者谁也不要，出现裂缝。核心使用 Shewchuk 的谓词：符号需要多少位，就算多少位。",
     ],
     attempts: [
       "让点越过一条边：一个数经过零，另外两个不受影响。",

@@ -63,7 +63,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the end of the control arm, or move it with the arrow keys: Shift for small steps.",
+    hint: "Drag the end of the control arm.{keys} Arrow keys move it, with Shift by small steps.",
     figure: "Two curves that meet, with combs of their curvature; above them the stripes that a surface swept from them reflects",
     handle: "End of the first curve’s control arm",
     at: (x, y) => `x ${x}, y ${y}`,
@@ -79,8 +79,8 @@ const texts: Record<Language, Texts> = {
     smooth: "Position, direction, speed and bending agree: comb and stripes continue smoothly.",
     back: "Move the control arm back to where everything agrees",
     story: [
-      "*C0*: one curve begins where the other ends. *C1*: direction and speed agree as well. *C2*: so do the second derivatives, and with them the bending. The eye misses a jump of curvature; the *comb*, whose teeth are as long as the curvature is large, shows it. So does a mirror: a surface that is only C1 *reflects stripes with kinks*. For a mirror the shape alone counts: one direction and one curvature (*G2*) are enough, whatever the speeds.",
-      "A reflection depends on the normal, which has one derivative more than the position. Car bodies are judged by reflections; camera paths that are only C1 jerk.",
+      "*C0*: one curve begins where the other ends. *C1*: direction and speed agree as well. *C2*: so do the second derivatives, and with them the bending. The eye misses a jump of curvature; the *comb*, whose teeth are as long as the curvature is large, shows it. So does a mirror: a surface that is only C1 *reflects stripes with kinks*. For a mirror the shape alone counts: equal direction and equal curvature (*G2*) are enough, at whatever speeds.",
+      "A reflection depends on the normal, and that on the first derivatives: so it is one degree less smooth than the surface, and shows the second ones. Car bodies are judged by reflections. On a path that is only C1 a camera’s acceleration jumps: here the speeds do count, and it takes C2.",
       "Bend the first curve, and the second one has to follow: for C0 not at all, for C1 with its first control arm, for C2 with two points. Each degree of smoothness costs freedom.",
     ],
     attempts: [
@@ -89,28 +89,28 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动控制臂的端点，或用方向键移动：加 Shift 走小步。",
+    hint: "拖动控制臂的端点。{keys}方向键移动它，加 Shift 走小步。",
     figure: "两条相接的曲线和它们的曲率梳，上方是由曲线扫掠成的曲面所映出的斑马纹",
     handle: "第一条曲线控制臂的端点",
     at: (x, y) => `x ${x}，y ${y}`,
     keep: "第二条曲线保持",
     keeps: { C0: "C0：起点", C1: "C1：还有方向与速度", C2: "C2：还有弯曲" },
-    label: "接点的连续性",
-    angle: "折角",
+    label: "拼接点的连续性",
+    angle: "切线夹角",
     gap: "曲率向量的突变",
-    before: "接点前曲率",
-    after: "接点后曲率",
+    before: "拼接点前的曲率",
+    after: "拼接点后的曲率",
     kink: (angle) => `只有位置相同，方向转了 ${angle}：有折角，条纹在此错断。`,
     jump: (before, after) => `方向和速度相同，看不出折角；但曲率从 ${before} 突变到 ${after}：曲率梳有台阶，条纹有折点。`,
     smooth: "位置、方向、速度和弯曲都一致：曲率梳和条纹连续通过。",
     back: "恢复控制臂",
     story: [
       "*C0*：后一段从前一段的终点开始。*C1*：方向与速度也相同。*C2*：二阶导数也相同，弯曲随之一致。曲率突变，眼睛看不出来；*曲率梳*的梳齿长度正比于曲率，一看便知。镜面也瞒不过：只有 C1 的曲面*映出的条纹有折点*。镜面只看形状：方向和曲率相同（*G2*）就够了，速度不必相同。",
-      "反射取决于法线，比位置多一阶导数。车身就是这样检验的；只有 C1 的镜头路径会顿一下。",
+      "反射取决于法线，法线由一阶导数决定，所以反射比曲面低一阶光滑，二阶导数的突变逃不过它：车身就是这样检验的。镜头沿只有 C1 的路径移动，加速度会突变；这时速度也算数，要 C2 才行。",
       "第一条曲线弯了，第二条就要让步：C0 不用让，C1 让出第一个控制臂，C2 让出两个点。保持得越多，自由越少。",
     ],
     attempts: [
-      "选 C0，移动控制点：连续性降到 C0，出现折角。看接点上方的条纹。",
+      "选 C0，移动控制点：连续性降到 C0，出现折角。看拼接点上方的条纹。",
       "选 C2：怎么拖都破坏不了。看第二条曲线怎样跟着移动。",
     ],
   },

@@ -75,7 +75,7 @@ const texts: Record<Language, Texts> = {
     some: (n) => `${n} more than the number of corners: along hard edges a corner is stored once for each side.`,
     facesOnly: "Lit by faces, each triangle has one tone: right for a cut gem, wrong for a ball.",
     story: [
-      "The direction of (v₁ − v₀) × (v₂ − v₀), one for the whole triangle, gives *flat shading*. Averaged around each vertex and blended across each triangle, the normals give *smooth shading*, and the same coarse mesh looks round. An average across a hard edge is wrong on both sides, so there the corner is stored once for each side: a cube has *24 vertices* and not 8.",
+      "The direction of (v₁ − v₀) × (v₂ − v₀), one for the whole triangle, gives *flat shading*. Averaged around each vertex and blended across each triangle, the normals give *smooth shading*, and the same coarse mesh looks round; only its outline still shows the triangles. An average across a hard edge is wrong on both sides, so there the corner is stored once for each side: a cube has *24 vertices* and not 8.",
       "One number decides which edges are hard: the angle between the normals on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two suits both.",
     ],
     attempts: [
@@ -103,7 +103,7 @@ const texts: Record<Language, Texts> = {
     some: (n) => `比空间中的顶点多 ${n} 个：硬边上的顶点要为每一侧各存一次。`,
     facesOnly: "按面法线着色，每个三角形只有一种明暗：适合切割的宝石，不适合球。",
     story: [
-      "(v₁ − v₀) × (v₂ − v₀) 的方向，整个三角形共用一个，就是*平面着色*。把每个顶点周围的法线取平均，再在三角形内插值，就是*平滑着色*：同样粗糙的网格看起来就圆了。跨过硬边的平均值对哪一侧都不对，所以那里的顶点每侧各存一份：立方体有 *24 个顶点*，而不是 8 个。",
+      "(v₁ − v₀) × (v₂ − v₀) 的方向，整个三角形共用一个，就是*平面着色*。把每个顶点周围的法线取平均，再在三角形内插值，就是*平滑着色*：同样粗糙的网格看起来就圆了，只有轮廓还露出三角形。跨过硬边的平均值对哪一侧都不对，所以那里的顶点每侧各存一份：立方体有 *24 个顶点*，而不是 8 个。",
       "哪些边是硬边，由一个数决定：两侧面法线的夹角。立方体处处是 90°；24 边的圆柱侧面相邻 15°，端面边缘 90°，取两者之间的角度，就都合适。",
     ],
     attempts: [

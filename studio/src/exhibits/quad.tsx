@@ -84,7 +84,7 @@ const texts: Record<Language, Texts> = {
     bulges: (rise, is) =>
       `Now four corners are not one surface. Cut along B–D, the middle lies ${rise} ${is === "up" ? "higher" : "lower"} than along A–C.`,
     story: [
-      "There is *one* plane through three points that are not in a line, so a triangle cannot bend: one normal, one inside. A fourth point may leave that plane. Folded along one diagonal the middle is a ridge, along the other a valley, and both have the same corners and edges: no file that stores only corners says which was meant.",
+      "Through three points that are not on one line there is *one* plane, so a triangle cannot bend: one normal, one inside. A fourth point may leave that plane. Folded along one diagonal the middle is a ridge, along the other a valley, and both have the same corners and edges: no file that stores only corners says which was meant.",
       "This is why graphics hardware draws triangles. Authors keep their quads, which are good to work with, and somewhere on the way to the screen every quad is cut in two. A tool that cuts along the other diagonal shows a different shape.",
       "The distance is signed and its zero is exact: the core decides by exact arithmetic whether four points lie in one plane, not by a tolerance that somebody chose.",
     ],
@@ -95,7 +95,7 @@ const texts: Record<Language, Texts> = {
   },
   zh: {
     hint: FRAME.zh.turn,
-    figure: "空间中的正方形，一个角离开其余各角所在的平面",
+    figure: "空间中的正方形，一个顶点离开其余三点所在的平面",
     corners: "顶点数",
     three: "三个：A、B、C",
     four: "四个：A、B、C、D",
@@ -116,7 +116,7 @@ const texts: Record<Language, Texts> = {
     story: [
       "过不共线的三点*只有一个*平面，三角形弯不了：法线只有一个，内外分明。第四点可以离开这个平面：沿一条对角线折，中间隆起；沿另一条折，中间凹下。两者顶点相同、边也相同，只存顶点的文件说不清原意是哪一种。",
       "图形硬件因此只画三角形。建模的人保留好用的四边形，在送往屏幕的途中，每个四边形都被一分为二。换一个工具，换一条对角线，形状就变了。",
-      "这里的距离带符号，零是精确的零：四点是否共面由内核用精确算术判定，而不是靠谁随手选的一个小数。",
+      "这里的距离带符号，零是精确的零：四点是否共面由核心用精确算术判定，而不是靠谁随手选的一个小数。",
     ],
     attempts: [
       "抬起 D，再换一种剖分：中间的红线就是两者之差。",

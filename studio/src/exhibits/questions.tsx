@@ -1,9 +1,10 @@
-// The six questions at the end, each with the initial number of its exhibit.
-import { Choice } from "../view/parts";
+// The six questions at the end. A card turns after the reader has chosen or written an answer, and shows the initial number of
+// its exhibit. Without script each card is a fold.
+import { Figure as Data } from "../view/parts";
 import culling from "./culling";
 import { type AnyExhibit, type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import field from "./field";
-import { word } from "./fragment";
+import { words } from "./fragment";
 import { EXHIBITS, fileOf } from "./index";
 import joins from "./joins";
 import normals from "./normals";
@@ -13,22 +14,39 @@ import { QUESTIONS, type Question, texts } from "./questions_texts";
 import type { Language } from "./say";
 
 interface State {
-  question: Question;
+  /** The cards that were turned, in that order. */
+  turned: readonly Question[];
+  /** What the reader chose, by its number, or wrote. Not in the address: it is nobody else's. */
+  said: Partial<Record<Question, number | string>>;
 }
 
 /** The core's answer for the initial state of each exhibit, by its name, without data that is only drawn. */
 type Answer = Record<string, unknown>;
 
-const defaults: State = { question: "triangles" };
+const defaults: State = { turned: [], said: {} };
 
 export interface Texts extends CommonTexts {
   figure: string;
-  choose: string;
   questions: Record<Question, string>;
-  short: Record<Question, string>;
+  /** Guesses, of which one is right. */
+  guesses: Record<Question, { readonly all: readonly [string, string, string]; readonly right: number }>;
+  guess: string;
+  write: string;
+  turn: string;
+  /** Above the answer: what the reader said. */
+  right: string;
+  wrong(choice: string): string;
+  wrote(text: string): string;
   answers: Record<Question, string>;
   see: string;
   widget: string;
+  label: string;
+  of(n: string, all: string): string;
+  /** Below the count of turned cards: none, some, all. */
+  none: string;
+  some: string;
+  all: string;
+  again: string;
 }
 
 type Page = PageOf<State, Answer, Texts>;
@@ -59,7 +77,7 @@ function numberOf(question: Question, { answer, say, set, isStill, isSmall }: Pa
   return first.number({ ...firstPage, say, set, isStill, isSmall });
 }
 
-/** A small picture for each question, in a card of 220 by 200. */
+/** A small picture for each question, 220 by 145. */
 const PICTURES: Record<Question, readonly (readonly [kind: string, d: string])[]> = {
   triangles: [
     ["face", "M20 110L78 30L108 100z"],
@@ -91,79 +109,150 @@ const PICTURES: Record<Question, readonly (readonly [kind: string, d: string])[]
   ],
 };
 
+const Drawing = ({ question }: { question: Question }) => (
+  <svg class="six" viewBox="10 20 200 115" aria-hidden="true">
+    {PICTURES[question].map(([kind, d]) => (
+      <path key={d} class={kind} d={d} />
+    ))}
+  </svg>
+);
+
 function Figure({ page }: { page: Page }) {
-  const { state, texts } = page;
+  if (page.isSmall) return <Thumbnail />;
+  const { texts, isStill, state } = page;
   return (
-    <svg class="flat six" data-figure viewBox="0 0 720 480" role="group" aria-label={texts.figure}>
-      {QUESTIONS.map((question, i) => (
-        <g
-          key={question}
-          class={question === state.question ? "card chosen" : "card"}
-          transform={`translate(${20 + 230 * (i % 3)} ${24 + 220 * Math.floor(i / 3)})`}
-          {...(page.isStill ? {} : { onClick: () => page.set({ question }) })}
-        >
-          <rect width="220" height="208" rx="12" />
-          {PICTURES[question].map(([kind, d]) => (
-            <path key={d} class={kind} d={d} />
-          ))}
-          <Shown text={numberOf(question, page).shown} />
-          <text x="110" y="192">
-            {i + 1} · {texts.short[question]}
-          </text>
-        </g>
-      ))}
-    </svg>
+    <ol class="questions" data-figure aria-label={texts.figure}>
+      {QUESTIONS.map((question, i) => {
+        const isTurned = state.turned.includes(question);
+        const front = (
+          <>
+            <Drawing question={question} />
+            <b>
+              {i + 1}. {texts.questions[question]}
+            </b>
+          </>
+        );
+        return (
+          <li key={question} class={isTurned ? "turned" : ""} data-question={question}>
+            {isStill ? (
+              <details>
+                <summary>{front}</summary>
+                <Back page={page} question={question} />
+              </details>
+            ) : (
+              <>
+                <h2>{front}</h2>
+                {isTurned ? <Back page={page} question={question} /> : <Front page={page} question={question} />}
+              </>
+            )}
+          </li>
+        );
+      })}
+    </ol>
   );
 }
 
-/** A number; more than six characters get a smaller font. */
-const Shown = ({ text }: { text: string }) => (
-  <text class={text.length > 6 ? "big long" : "big"} x="110" y="164">
-    {text}
-  </text>
+/** The six pictures for the list of exhibits, without an answer. */
+const Thumbnail = () => (
+  <svg class="flat six" viewBox="0 0 720 480">
+    {QUESTIONS.map((question, i) => (
+      <g key={question} class="card" transform={`translate(${20 + 230 * (i % 3)} ${24 + 220 * Math.floor(i / 3)})`}>
+        <rect width="220" height="208" rx="12" />
+        {PICTURES[question].map(([kind, d]) => (
+          <path key={d} class={kind} d={d} transform="translate(0 30)" />
+        ))}
+      </g>
+    ))}
+  </svg>
 );
 
-function liveNumber(page: Page): LiveNumber {
-  const { question } = page.state;
-  return { ...numberOf(question, page), meaning: page.texts.answers[question], tone: "plain" };
-}
+/** The shortest text that counts as an answer. */
+const SHORTEST = 3;
 
-function Panel({ page }: { page: Page }) {
-  const { state, texts, say, set } = page;
-  const seen = SHOWN[state.question].flatMap((id) => EXHIBITS.find((entry) => entry.id === id) ?? []);
-  const language: Language = say.language;
+/** The side with the question: it turns only after the reader has chosen or written something. */
+function Front({ page, question }: { page: Page; question: Question }) {
+  const { state, texts, set } = page;
+  const said = state.said[question];
+  const say = (value: number | string) => set(({ said }) => ({ said: { ...said, [question]: value } }));
+  const isSaid = typeof said === "number" || (said?.trim().length ?? 0) >= SHORTEST;
   return (
     <>
-      <Choice
-        name="question"
-        legend={texts.choose}
-        value={state.question}
-        class="stacked"
-        options={QUESTIONS.map((value, i) => ({ value, label: `${i + 1}. ${texts.questions[value]}` }))}
-        choose={(question) => set({ question })}
-      />
-      <div>
-        <p class="aside">{texts.see}</p>
-        <ul class="seen">
-          {seen.map((entry) => (
-            <li key={entry.id}>
-              <a href={fileOf(entry.id, language)}>{entry.title[language]}</a>
-            </li>
-          ))}
-          {state.question === "joins" && (
-            <li>
-              <a href={`${language === "en" ? "index" : language}.html#v=1&w=s`}>{texts.widget}</a>
-            </li>
-          )}
-        </ul>
-      </div>
+      <fieldset class="guesses">
+        <legend>{texts.guess}</legend>
+        {texts.guesses[question].all.map((guess, k) => (
+          <label key={k}>
+            <input type="radio" name={`guess-${question}`} value={k} checked={said === k} onChange={() => say(k)} />
+            {guess}
+          </label>
+        ))}
+      </fieldset>
+      <label class="write">
+        {texts.write}
+        <textarea rows={2} maxLength={600} value={typeof said === "string" ? said : ""} onInput={(event) => say(event.currentTarget.value)} />
+      </label>
+      <button type="button" disabled={!isSaid} onClick={() => set(({ turned }) => ({ turned: [...turned, question] }))}>
+        {texts.turn}
+      </button>
     </>
   );
 }
 
+/** The side with the number and the answer. */
+function Back({ page, question }: { page: Page; question: Question }) {
+  const { state, texts, say } = page;
+  const { label, value, shown } = numberOf(question, page);
+  const { all, right } = texts.guesses[question];
+  const said = state.said[question];
+  const seen = SHOWN[question].flatMap((id) => EXHIBITS.find((entry) => entry.id === id) ?? []);
+  const language: Language = say.language;
+  return (
+    <div class="back" role="status">
+      {said !== undefined && (
+        <p class="aside">{typeof said === "string" ? texts.wrote(said.trim()) : said === right ? texts.right : texts.wrong(all[said]!)}</p>
+      )}
+      <p>{texts.answers[question]}</p>
+      <p class="number-of">
+        <Data name={`card-${question}`} value={value}>
+          {shown}
+        </Data>{" "}
+        <span>{label}</span>
+      </p>
+      <p class="seen">
+        {texts.see}{" "}
+        {seen.map((entry) => (
+          <a key={entry.id} href={fileOf(entry.id, language)}>
+            {entry.title[language]}
+          </a>
+        ))}
+        {question === "joins" && <a href={`${language === "en" ? "index" : language}.html#v=1&w=s`}>{texts.widget}</a>}
+      </p>
+    </div>
+  );
+}
+
+function liveNumber({ state, texts, say }: Page): LiveNumber {
+  const n = state.turned.length;
+  return {
+    value: n,
+    shown: texts.of(say.whole(n), say.whole(QUESTIONS.length)),
+    label: texts.label,
+    meaning: n === 0 ? texts.none : n < QUESTIONS.length ? texts.some : texts.all,
+    tone: n === QUESTIONS.length ? "good" : "plain",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, texts, set } = page;
+  return state.turned.length > 0 ? (
+    <button type="button" onClick={() => set({ turned: [], said: {} })}>
+      {texts.again}
+    </button>
+  ) : null;
+}
+
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { question: ["n", word(...QUESTIONS)] },
+  parts: { turned: ["n", words(QUESTIONS, QUESTIONS.length)] },
   question: () => ({ asked: QUESTIONS.map(initialQuestion) }),
   texts,
   number: liveNumber,

@@ -49,7 +49,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the middle point up or down, or use the arrow keys: Shift for small steps, Page Up and Page Down for large ones. Dashes show where both curves were.",
+    hint: "Drag the middle point up or down. Dashes show where both curves were.{keys} Arrow keys move it, with Shift by small steps; Page Up and Page Down by large ones.",
     figure: "Points of a bell-shaped function, a polynomial and a spline through them, and a point to move",
     handle: "The middle point",
     spoken: (lift) => `moved by ${lift}`,
@@ -65,8 +65,8 @@ const texts: Record<Language, Texts> = {
     polynomial: "one polynomial",
     aSpline: "a spline",
     story: [
-      "Through n points there is one polynomial of degree n − 1. Even through points of a function as smooth as 1/(1 + 25x²) it *swings*, and more points make it worse, as Carl Runge showed in 1901. And when one point moves, *everything* moves. A *spline* has a short cubic between each two points instead.",
-      "So curves are made of many short pieces of low degree: this *spline* has a cubic between each two points, joined so that direction and bending agree. A moved point changes the next piece, the one after that a little, and the rest hardly at all. That is local control, and the reason why no drawing program offers degree 20.",
+      "Through n points there is one polynomial of degree at most n − 1. If they are equally spaced, it *swings* even for a function as smooth as 1/(1 + 25x²), and more points make it worse, as Carl Runge showed in 1901. And if one point moves, *everything between* the others moves. A *spline* is made of many short cubics instead.",
+      "This *spline* has a cubic between each two points, joined so that direction and bending agree. If a point moves, the next piece moves, too, and each one further off less than a third as much: in practice the change stays local. Splines that are given by control points, and chains of Bézier curves, are local without any remainder. That is why drawing programs offer degree 3 and not 20.",
     ],
     attempts: [
       "Move the middle point a little and watch both ends.",
@@ -74,7 +74,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "上下拖动中间的点，或用方向键：加 Shift 走小步，Page Up 和 Page Down 走大步。虚线是移动前的两条曲线。",
+    hint: "上下拖动中间的点。虚线是移动前的两条曲线。{keys}方向键移动它，加 Shift 走小步，Page Up 和 Page Down 走大步。",
     figure: "钟形函数上的点，穿过它们的一个多项式和一条样条，以及一个可移动的点",
     handle: "中间的点",
     spoken: (lift) => `移动了 ${lift}`,
@@ -90,8 +90,8 @@ const texts: Record<Language, Texts> = {
     polynomial: "一个多项式",
     aSpline: "样条",
     story: [
-      "过 n 个点的 n − 1 次多项式只有一个。取 1/(1 + 25x²) 这样温和的函数上的点，它也会*剧烈振荡*，点越多越糟：这就是 1901 年发现的龙格现象。而且移动一个点，*处处*都动。*样条*则在每两点之间用一段短短的三次曲线。",
-      "所以曲线由许多低次的短段拼成：这条*样条*在每两点之间是一段三次曲线，相接处方向和弯曲一致。移动一个点，隔壁有感觉，再隔一段略有感觉，很快就没有了。这就是局部控制，也是没有哪个绘图软件提供 20 次曲线的原因。",
+      "过 n 个点、次数不超过 n − 1 的多项式只有一个。点若等距分布，哪怕取自 1/(1 + 25x²) 这样温和的函数，它也会*剧烈振荡*，点越多越糟：这就是 1901 年发现的龙格现象。而且移动一个点，其余各点*之间处处*都动。*样条*则由许多短短的三次曲线接成。",
+      "这条*样条*在每两点之间是一段三次曲线，相接处方向和弯曲一致。移动一个点，邻段跟着动，往外每隔一段，变化都不到前一段的三分之一，很快就看不出来。由控制点给出的样条和贝塞尔曲线链，影响则严格限于局部。绘图软件用三次曲线而不用 20 次，原因就在这里。",
     ],
     attempts: [
       "把中间的点稍稍移动，看两端。",

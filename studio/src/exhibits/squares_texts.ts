@@ -4,7 +4,7 @@ import type { Language } from "./say";
 
 export const texts: Record<Language, Texts> = {
   en: {
-    hint: "Cells by the slider or its arrow keys. In the cube press a corner to switch it, drag or use arrow keys to turn.",
+    hint: "The slider sets the cells. In the cube press a corner to switch it, and drag to turn.{keys} Arrow keys move the slider and turn the cube.",
     look: "Look at",
     looks: { lattice: "a lattice", cube: "one cube" },
     figure: "A square, a triangle and a disc sampled on a lattice, and the lines that are drawn from the samples",
@@ -65,15 +65,15 @@ export const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "单元数用滑块或方向键改变。在立方体里，点按顶点可切换内外，拖动或用方向键旋转。",
+    hint: "滑块改变单元数。在立方体里，点按顶点切换内外，拖动旋转。{keys}方向键移动滑块、旋转立方体。",
     look: "观察",
     looks: { lattice: "格点", cube: "一个立方体" },
-    figure: "在网格点上采样的正方形、三角形和圆盘，以及由样本连成的线",
+    figure: "在格点上采样的正方形、三角形和圆盘，以及由样本连成的线",
     cells: "宽度方向的单元数",
     along: (n) => `${n} 个单元`,
     method: "连线方法",
     squares: "移动正方形",
-    corners: "内核的网格化",
+    corners: "核心的网格化",
     label: "最大误差",
     meaning: {
       squares: (cells, segments) => `合 ${cells} 个单元，在红色标记处：共 ${segments} 条线段，样本并不知道那里有角。`,
@@ -88,7 +88,7 @@ export const texts: Record<Language, Texts> = {
       none: "顶点都在同一侧，这里没有曲面经过。",
       one: (triangles) => `每个面都只有一种连法，共 ${triangles} 个三角形。`,
       two: (readings) =>
-        `交点共有 ${readings} 种连法，红线是没有采用的。内核总是把内部的顶点各自切开：相邻立方体看到同样的四个符号，做法相同，就不会出洞。`,
+        `交点共有 ${readings} 种连法，红线是没有采用的。核心总是把内部的顶点各自切开：相邻立方体看到同样的四个符号，做法相同，就不会出孔。`,
       tip: (lost) => `三个交点，一个三角形：盒子的尖角（绿色）离它 ${lost} 个单元。凡是包住这个顶点的形状，符号都一样。`,
       corners: "在内部的顶点",
       corner: (n) => `顶点 ${n}`,
@@ -110,10 +110,10 @@ export const texts: Record<Language, Texts> = {
     },
     story: [
       "要画出一个场，就在格点上求它的值：相邻格点符号不同，轮廓就从中间经过。逐个单元把交点连起来，就是*移动正方形法*；换成立方体里的三角形，就是*移动立方体法*。单元内部的尖角从未采样，于是被切掉；知道场由哪些部分组成的网格化，会在那里放一个顶点。",
-      "两个值决定交点的位置：−1 与 3 之间，在四分之一处。若单元四角的符号*交替*，四个交点就有两种连法，样本无法判断该用哪一种：分开的部分可能连在一起。必须有一条规则，相邻单元都遵守，否则网格会出洞。",
+      "两个值决定交点的位置：−1 与 3 之间，在四分之一处。若单元四角的符号*交替*，四个交点就有两种连法，样本无法判断该用哪一种：分开的部分可能连在一起。必须有一条规则，相邻单元都遵守，否则网格会出孔。",
       "在空间中，单元是有八个符号的立方体：共 256 种组合，各自的三角形列在一张表里。两个立方体必须在公共面上一致，而近一半的组合含有歧义的面。",
       "单元数加倍，切掉的角平均只减半，具体取决于角在单元中的位置；而光滑轮廓的误差随单元大小的平方下降。这里的误差都夹在两个已证明的界之间，显示的是上界。",
     ],
-    attempts: ["把单元数加倍，误差下降多少？再改用内核的网格化。", "看一个立方体，切换它的顶点：最多能有几个有歧义的面？"],
+    attempts: ["把单元数加倍，误差下降多少？再改用核心的网格化。", "看一个立方体，切换它的顶点：最多能有几个有歧义的面？"],
   },
 };

@@ -45,7 +45,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point through which the ray goes, or move it with the arrow keys. The slider takes the steps one by one.",
+    hint: "Drag the point through which the ray goes. The slider takes the steps one by one.{keys} Arrow keys move the point.",
     figure: "A ray from an eye among three shapes, and the free circle at every step",
     aim: "The ray goes through",
     at: (x, y) => `x ${x}, y ${y}`,
@@ -70,7 +70,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动射线经过的点，或用方向键移动；用滑块逐步查看。",
+    hint: "拖动射线经过的点；用滑块逐步查看。{keys}方向键移动这个点。",
     figure: "从眼睛射出、穿过三个形状之间的射线，以及每一步的空圆",
     aim: "射线经过的点",
     at: (x, y) => `x ${x}，y ${y}`,
@@ -87,7 +87,7 @@ const texts: Record<Language, Texts> = {
     story: [
       "距离场的值就是*一步安全的步长*：以它为半径的圆内没有表面。所以射线可以直接跳到圆周，在那里再问一次，再跳。*掠过*表面的射线长时间贴近它，贴近就意味着步子短：时间都花在每一条轮廓线上。",
       "不必问任何三角形，也不必排序。值也可以小于距离，例如布尔运算的内部：步子变短，但不会跳过任何东西。值若偏大，就会漏掉薄的部分。",
-      "内核自己的追踪器还知道值变化的快慢，并把每个交点夹在外部一点与内部一点之间。这里展示的是朴素的方法，一步一步，便于观察。",
+      "核心自己的追踪器还知道值变化的快慢，并把每个交点夹在外部一点与内部一点之间。这里展示的是朴素的方法，一步一步，便于观察。",
     ],
     attempts: [
       "对准横杆上方一点，让射线贴着它滑过：现在要多少步？",

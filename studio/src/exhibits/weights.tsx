@@ -3,6 +3,7 @@ import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
 import { point, word } from "./fragment";
+import { FRAME } from "./frame_texts";
 import { CORNERS } from "./paint";
 import type { Language } from "./say";
 import { css } from "../viewer/color";
@@ -65,7 +66,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point, or move it with the arrow keys: Shift for small steps, Page Up and Page Down for large ones.",
+    hint: FRAME.en.drag,
     figure: "A shape with a colour at every corner, blended between them, and a point to move",
     probe: "The probe",
     at: (x, y) => `x ${x}, y ${y}`,
@@ -95,9 +96,9 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动探针，或用方向键移动：加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    hint: FRAME.zh.drag,
     figure: "每个顶点各有颜色、内部由插值得到的图形，以及一个可移动的点",
-    probe: "探针",
+    probe: "测试点",
     at: (x, y) => `x ${x}，y ${y}`,
     corners: "顶点数",
     three: "三个",
@@ -113,13 +114,13 @@ const texts: Record<Language, Texts> = {
     mixed: "权重都在 0 与 1 之间：颜色是三者的混合。没有别的线性规则能让每个顶点保持自己的颜色。",
     same: "在这一点两种剖分结果相同。",
     two: (percent) => `同一个点、同样四个顶点，却有两种颜色，相差 ${percent}。`,
-    swatch: "探针处的颜色",
+    swatch: "测试点处的颜色",
     story: [
       "顶点上已知的量可以在三角形上插值。每个顶点有一个*权重*：点与对边围成的面积占总面积的比例。权重总和恒为一；最小的一个在内部为正，在边上为零，在外部为负。三个顶点只有一个解；四个顶点则由对角线决定。",
-      "插值的可以是颜色、法线、纹理坐标，这些权重就是重心坐标。在顶点处，自身权重为 1，其余为 0；在一条边上，第三个顶点不起作用，因此相邻三角形在公共边上一致，不露接缝。",
+      "插值的可以是颜色、法线、纹理坐标，这些权重就是重心坐标。在顶点处，自身权重为 1，其余为 0；在一条边上，第三个顶点不起作用，因此相邻三角形在公共边上一致，不露痕迹。",
       "三个权重有三个条件：位置两个，总和一个。四个顶点多出的自由度怎么取全凭约定；硬件的约定是把四边形切成两个三角形，于是内部的颜色取决于对角线。",
     ],
-    attempts: ["让探针越过一条边，看最小的权重怎样变，总和呢？", "选四个顶点，把探针放在中间，再换一种剖分。"],
+    attempts: ["让测试点越过一条边，看最小的权重怎样变，总和呢？", "选四个顶点，把测试点放在中间，再换一种剖分。"],
   },
 };
 
@@ -174,7 +175,7 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-/** Three gradients, each from black at the opposite side to its corner's colour, added by the browser. Their sum is the blend. */
+/** Three gradients, each from black at the opposite side to its corner's colour. The browser adds them: by differences from white, which paper has, too. */
 function Blended({ rows, places, prefix }: { rows: readonly number[]; places: readonly Point[]; prefix: string }) {
   const corners = rows.map((row) => places[row]!);
   const outline = path(corners);
@@ -199,6 +200,7 @@ function Blended({ rows, places, prefix }: { rows: readonly number[]; places: re
           </g>
         );
       })}
+      <path class="turned-back" d={outline} />
     </g>
   );
 }

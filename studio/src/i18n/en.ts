@@ -91,7 +91,7 @@ export const en = {
   "point.end": "End point {i}",
   "point.joint": "The joint",
   "point.at": "x {x}, y {y}",
-  "point.help": "Arrow keys move a point, with Shift by smaller steps, Page Up and Page Down by larger ones up and down.",
+  "point.help": "{keys}Arrow keys move a point, with Shift by smaller steps, Page Up and Page Down by larger ones up and down.",
   "point.numbers": "Move the points by numbers",
   "point.x": "{name}, x",
   "point.y": "{name}, y",

@@ -13,10 +13,10 @@ export const zh: Catalogue = {
   "language": "语言",
 
   "static": "这是一幅静止的图。启用 JavaScript 和 WebAssembly 后，图中的点就可以拖动。",
-  "note.damaged": "网址中有一部分无法识别，缺的内容已换成默认值。",
-  "note.rebuilt": "计算出了故障，已经重新启动。您的设置没有丢失。",
+  "note.damaged": "地址中有一部分无法识别，缺的内容已换成默认值。",
+  "note.rebuilt": "计算出了故障，已经重新启动。你的设置没有丢失。",
   "note.lost": "计算无法在这里运行：WebAssembly 连续几次出错。图形不会再随操作变化，请重新加载页面再试。",
-  "note.refused": "计算核心拒绝了这个请求：{why}",
+  "note.refused": "核心拒绝了这个请求：{why}",
   "note.close": "关闭这条提示",
 
   "segments": "段数",
@@ -91,7 +91,7 @@ export const zh: Catalogue = {
   "point.end": "端点 {i}",
   "point.joint": "拼接点",
   "point.at": "横 {x}，纵 {y}",
-  "point.help": "用方向键移动点；按住 Shift 时步长更小；Page Up 和 Page Down 上下移动得更多。",
+  "point.help": "{keys}用方向键移动点；按住 Shift 时步长更小；Page Up 和 Page Down 上下移动得更多。",
   "point.numbers": "用数值移动各点",
   "point.x": "{name}，横坐标",
   "point.y": "{name}，纵坐标",
@@ -170,5 +170,5 @@ export const zh: Catalogue = {
   "closing": "段数翻一番，误差剩四分之一——所以，把线段用在弯的地方。",
   "seam.closing": "位置重合，方向一致，曲率相等：三步之后拼接点便看不出来，每一步的代价是一个控制点。",
   "footer":
-    "这里的每个数字都由 Chordal 的核心算出，与命令行和程序库用的是同一份代码，只是编译成了 WebAssembly。任何数据都不会发送出去。您的选择都保存在本页的网址里。",
+    "这里的每个数字都由 Chordal 的核心算出，与命令行和程序库用的是同一份代码，只是编译成了 WebAssembly。任何数据都不会发送出去。你的选择都保存在本页的地址里。",
 };

@@ -3,6 +3,7 @@
 import type { Point } from "../core/types";
 import { GRID, WORLD } from "../state/state";
 import type { Move } from "./Handle";
+import { Hint } from "./Hint";
 import { Slider } from "./parts";
 import type { Page } from "./page";
 
@@ -21,7 +22,9 @@ export function Numbers({ page, id, points }: Props) {
   return (
     <details class="numbers">
       <summary>{say.text("point.numbers")}</summary>
-      <p id={`${id}-help`}>{say.text("point.help")}</p>
+      <p id={`${id}-help`}>
+        <Hint text={say.text("point.help")} />
+      </p>
       <div class="axes">
         {points.flatMap(({ name, at, move }, i) =>
           axes.map(([key, axis, high]) => (

@@ -250,31 +250,51 @@ test("budget: no label of the chart is cut off or overlaps another, wide and nar
   }
 });
 
-test("questions: each number is the initial number of its exhibit, and links to it", async () => {
+test("questions: a card turns only after a choice or a written answer, and has the initial number of its exhibit", async () => {
   const page = await pages.at("questions.html");
-  const seen = new Map<string, [label: string, value: number, shown: string, card: string]>();
-  const all = ["triangles", "normals", "winding", "joins", "fields", "cost"];
-  // Every second one in `make test`.
-  const questions = all.filter((_, k) => isLong || k % 2 === 0);
-  for (const question of questions) {
-    await page.locator(`input[name=question][value=${question}]`).check();
-    const value = await pages.number("questions");
-    const [label, shown, card] = await Promise.all(
-      [".live h2", ".live data", ".card.chosen .big"].map(async (what) => (await page.locator(what).textContent())!),
-    );
-    const links = page.locator(".seen a");
+  expect(await pages.number("questions")).toBe(0);
+  const seen = new Map<string, [value: number, shown: string, label: string]>();
+  const questions = ["triangles", "normals", "winding", "joins", "fields", "cost"];
+  expect(await page.locator("[data-question]").count()).toBe(questions.length);
+  for (const [k, question] of questions.entries()) {
+    const card = page.locator(`[data-question=${question}]`);
+    const turn = card.getByRole("button");
+    expect(await turn.isDisabled()).toBe(true);
+    expect(await card.locator("data").count(), "the number is not in the page before").toBe(0);
+    if (k % 2) await card.getByRole("textbox").fill("my own words");
+    else await card.getByRole("radio").first().check();
+    await turn.click();
+    await settled(page);
+    expect(await pages.number("questions")).toBe(k + 1);
+    expect(await card.textContent()).toMatch(k % 2 ? /You wrote: my own words/ : /As you said|You chose/);
+    const links = card.locator(".seen a");
     for (const link of await links.all()) {
       const file = (await link.getAttribute("href"))!;
       expect((await page.request.get(new URL(file, page.url()).href)).ok(), file).toBe(true);
     }
-    seen.set((await links.first().getAttribute("href"))!, [label!, value, shown!, card!]);
+    const [shown, label] = await Promise.all([card.locator("data").textContent(), card.locator(".number-of span").textContent()]);
+    seen.set((await links.first().getAttribute("href"))!, [await digits(page, `card-${question}`), shown!, label!]);
   }
-  expect(seen.size).toBe(questions.length);
-  for (const [file, [label, value, shown, card]] of seen) {
+  // Every second one in `make test`.
+  for (const [file, [value, shown, label]] of [...seen].filter((_, k) => isLong || k % 2 === 0)) {
     const there = await pages.at(file);
     expect(await digits(there, "live"), file).toBe(value);
     expect(await there.locator(".live h2").textContent()).toBe(label);
     expect(await there.locator(".live data").textContent()).toBe(shown);
-    expect(card).toBe(shown);
+  }
+});
+
+test("questions: without script every answer is there, in a fold", async () => {
+  for (const file of ["questions.html", "questions.zh.html"]) {
+    const { page } = await pages.site.visit(file, { javaScriptEnabled: false });
+    const cards = page.locator("[data-question] details");
+    expect(await cards.count()).toBe(6);
+    for (const card of await cards.all()) {
+      expect(await card.locator(".back").isVisible()).toBe(false);
+      await card.locator("summary").click();
+      expect(await card.locator(".back").isVisible()).toBe(true);
+      expect(Number(await card.locator("data").getAttribute("value"))).not.toBeNaN();
+    }
+    await page.context().close();
   }
 });
