@@ -1,17 +1,21 @@
 // Levels of detail: as the camera moves away, teapot and mountain are each shown by the fewest triangles within a pixel.
-import { Figure as Data, Slider } from "../view/parts";
+import { Choice, Figure as Data, Slider } from "../view/parts";
 import type { Picture, Vec3, View } from "../viewer";
 import { Chart } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
-import { number, view } from "./fragment";
+import { number, view, word } from "./fragment";
 import { FRAME } from "./frame_texts";
 import { px } from "./Grip";
 import { PAINT } from "./paint";
+import { type Pair, SIDES, SamePicture, type Side } from "./SamePicture";
 import { Scene } from "./Scene";
 import type { Language, Say } from "./say";
 
 interface State {
   stop: number;
+  /** The triangles, or a model as large as it is on the screen. */
+  look: "none" | "teapot" | "mountain";
+  side: Side;
   view: View;
 }
 
@@ -30,15 +34,20 @@ interface Answer {
   teapot: Model;
   mountain: Model;
   off_axis: number;
+  pair: Pair | null;
 }
 
 /** Distances in metres, four per decade: from 0.6 m to 19 km. */
 const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
 const HOME: View = { azimuth: -86, elevation: 22, distance: 7.3, target: [0, 0, -0.1] };
-const defaults: State = { stop: 2, view: HOME };
+const defaults: State = { stop: 2, look: "none", side: "coarse", view: HOME };
 
 interface Texts extends CommonTexts {
   figure: string;
+  look: string;
+  looks: Record<State["look"], string>;
+  level(triangles: string): string;
+  trueSize: string;
   handle: string;
   label: string;
   meaning(teapot: string, mountain: string): string;
@@ -57,6 +66,10 @@ const texts: Record<Language, Texts> = {
   en: {
     hint: FRAME.en.turn,
     figure: "A teapot and a mountain, drawn at the same size, with the triangles that are shown from this distance",
+    look: "Look at",
+    looks: { none: "the triangles", teapot: "the teapot, true size", mountain: "the mountain, true size" },
+    level: (triangles) => `${triangles} triangles`,
+    trueSize: "As large as on that screen: a pixel of it is a pixel here.",
     handle: "Camera to teapot",
     label: "Triangles, teapot and mountain",
     meaning: (teapot, mountain) =>
@@ -76,13 +89,17 @@ const texts: Record<Language, Texts> = {
       "Care is needed *off the axis*: in the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
     ],
     attempts: [
-      "Move the camera back tenfold. What is left of the teapot’s triangles?",
+      "Look at the teapot in its true size and flip between the two: from which distance on can you not tell them apart?",
       "From which distance on does the mountain need more than the teapot?",
     ],
   },
   zh: {
     hint: FRAME.zh.turn,
     figure: "茶壶和山画成一样大，显示的是从这个距离看时所用的三角形",
+    look: "观察",
+    looks: { none: "三角形", teapot: "茶壶，实际大小", mountain: "山，实际大小" },
+    level: (triangles) => `${triangles} 个三角形`,
+    trueSize: "与在那块屏幕上一样大：它的一个像素就是这里的一个像素。",
     handle: "相机到茶壶",
     label: "三角形数：茶壶与山",
     meaning: (teapot, mountain) => `两者的误差都不超过一个像素：在茶壶上是 ${teapot}，在山上是 ${mountain}。`,
@@ -101,7 +118,7 @@ const texts: Record<Language, Texts> = {
       "*偏离光轴*时须注意：同样的距离，同一长度在画面角上占的像素比中心多。这里的切换距离对任何方向都成立，包括四角。屏幕为 1920 × 1080 像素，视角 45 度。",
     ],
     attempts: [
-      "相机后退到十倍远，茶壶还剩多少三角形？",
+      "看茶壶的实际大小，在两幅之间切换：从多远起你分不出来？",
       "从多远起，山需要的三角形比茶壶多？",
     ],
   },
@@ -167,6 +184,24 @@ function pictureOf({ answer, isStill }: Page): Picture {
 
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill } = page;
+  const { pair } = answer;
+  if (pair && state.look !== "none") {
+    const { triangles, most } = answer[state.look];
+    return (
+      <div class="true-size" data-figure>
+        <SamePicture
+          pair={pair}
+          side={state.side}
+          names={[texts.level(say.whole(triangles)), texts.level(say.whole(most))]}
+          scale={1}
+          say={say}
+          isStill={isStill}
+          choose={(side) => set({ side })}
+        />
+        <p class="aside">{texts.trueSize}</p>
+      </div>
+    );
+  }
   return (
     <Scene
       name={texts.figure}
@@ -236,6 +271,13 @@ function Panel({ page }: { page: Page }) {
         value={state.stop}
         choose={(stop) => set({ stop })}
       />
+      <Choice
+        name="look"
+        legend={texts.look}
+        value={state.look}
+        options={(["none", "teapot", "mountain"] as const).map((value) => ({ value, label: texts.looks[value] }))}
+        choose={(look) => set({ look })}
+      />
       <Chart
         name={texts.chart}
         x={{
@@ -302,8 +344,13 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { stop: ["n", number(0, STOPS.length - 1)], view: ["o", view] },
-  question: ({ stop }) => ({ distance: STOPS[stop] }),
+  parts: {
+    stop: ["n", number(0, STOPS.length - 1)],
+    look: ["k", word("none", "teapot", "mountain")],
+    side: ["s", word(...SIDES)],
+    view: ["o", view],
+  },
+  question: ({ stop, look }) => ({ distance: STOPS[stop], ...(look === "none" ? {} : { compare: look }) }),
   texts,
   number: liveNumber,
   Figure,

@@ -5,10 +5,13 @@ import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from 
 import { FLAT, Flat, type Point, path, toSvg } from "./Flat";
 import { number } from "./fragment";
 import { px } from "./Grip";
+import { type Pair, SamePicture, type Side } from "./SamePicture";
 import type { Language } from "./say";
 
 interface State {
   stop: number;
+  /** Which of the two balls is shown. */
+  side: Side;
 }
 
 interface Answer {
@@ -24,11 +27,12 @@ interface Answer {
   lanes: number;
   ratio: number;
   curve: [side: number, ratio: number][];
+  ball: Pair & { triangles: number; most: number };
 }
 
 /** Sides of the triangles in pixels, from large to small. */
 const STOPS = Array.from({ length: 27 }, (_, i) => Number((16 * 0.86 ** i).toPrecision(2)));
-const defaults: State = { stop: 9 };
+const defaults: State = { stop: 9, side: "coarse" };
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -47,6 +51,8 @@ interface Texts extends CommonTexts {
   chartY: string;
   legend(n: number): string;
   legendName: string;
+  balls: string;
+  ball(n: string): string;
 }
 
 const texts: Record<Language, Texts> = {
@@ -70,9 +76,11 @@ const texts: Record<Language, Texts> = {
     chartY: "shaded per pixel",
     legend: (n) => (n >= 8 ? "8 or more" : String(n)),
     legendName: "triangles shaded in a block",
+    balls: "A ball of such triangles, enlarged three times",
+    ball: (n) => `${n} triangles`,
     story: [
-      "A graphics processor shades *blocks of two by two* pixels, because it needs differences between neighbours to read a texture. If a triangle covers one pixel of a block, all four are shaded and three discarded. The smaller the triangles, the more blocks are on an edge: towards one pixel the cost climbs to *four times*, and nothing more shows.",
-      "Towards one pixel the cost climbs to *four times*, and stays there. Then no two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and discarded, and flicker in motion.",
+      "A graphics processor shades *blocks of two by two* pixels, because it needs differences between neighbours to read a texture. However few pixels of a block a triangle covers, all four are shaded and the others discarded. The smaller the triangles, the more blocks are on an edge: below a pixel the cost climbs to *four times*, and the ball in the small picture stays the same.",
+      "There it stays: then no two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and discarded, and flicker in motion.",
       "So more triangles are not always better. They are worth their cost as long as an error is visible. Once every chord is within a pixel of the true shape, more of them only cost time.",
     ],
     attempts: [
@@ -99,9 +107,11 @@ const texts: Record<Language, Texts> = {
     chartY: "每像素着色次数",
     legend: (n) => (n >= 8 ? "8 次以上" : String(n)),
     legendName: "一个像素块中着色的三角形数",
+    balls: "由这样的三角形组成的球，放大三倍",
+    ball: (n) => `${n} 个三角形`,
     story: [
-      "图形处理器以 *2 × 2 的像素块*为单位着色，因为读取纹理需要相邻像素之差。三角形只要占到块中一个像素，四个都要着色，其中三个丢弃。三角形越小，边所占的比例越大：接近一个像素时，代价升到*四倍*，画面却毫无变化。",
-      "小于一个像素，就到了*悬崖*：同一块里没有两个像素属于同一个三角形，每个像素要着色四次。再增加三角形，画面毫无变化，大多数三角形不含任何像素中心：它们照样要变换、要分拣，然后丢弃；一运动还会闪烁。",
+      "图形处理器以 *2 × 2 的像素块*为单位着色，因为读取纹理需要相邻像素之差。三角形哪怕只占到块中一个像素，四个也都要着色，多余的丢弃。三角形越小，压在边上的块越多：小于一个像素时，代价升到*四倍*，小图里的球却没有变化。",
+      "代价到此为止：同一块里没有两个像素属于同一个三角形，每个像素要着色四次。再增加三角形，大多数三角形不含任何像素中心：它们照样要变换、要分拣，然后丢弃；一运动还会闪烁。",
       "所以三角形并非越多越好。误差看得见时，它们物有所值；弦的误差一旦都在一个像素以内，再多就只有代价。",
     ],
     attempts: [
@@ -216,6 +226,18 @@ function Panel({ page }: { page: Page }) {
         ))}
         {texts.legendName}
       </p>
+      <div>
+        <h3>{texts.balls}</h3>
+        <SamePicture
+          pair={answer.ball}
+          side={state.side}
+          names={[texts.ball(say.whole(answer.ball.triangles)), texts.ball(say.whole(answer.ball.most))]}
+          scale={3}
+          say={say}
+          isStill={page.isStill}
+          choose={(side) => set({ side })}
+        />
+      </div>
       <dl>
         {rows.map(([name, label, value]) => (
           <div key={name}>

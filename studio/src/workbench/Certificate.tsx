@@ -1,7 +1,7 @@
 // The certificate of the mesh: its bound, the evidence for that, and the properties of its triangles.
 import { Figure } from "../view/parts";
 import type { Vec3 } from "../viewer";
-import { stageIn } from "./command_zh";
+import { assumptionIn, stageIn } from "./command_zh";
 import { isScript } from "./document";
 import type { LaneName } from "./state";
 import { LAYOUT_TEXTS } from "./layout/texts";
@@ -32,8 +32,8 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
             {bound.pixels !== null && ` · ${words.inPixels(say.number(bound.pixels))}`}
           </p>
           {bound.assumptions?.map((assumption) => (
-            <p class="aside" key={assumption} lang="en">
-              {assumption}
+            <p class="aside" key={assumption}>
+              <Said words={assumptionIn(language, assumption)} />
             </p>
           ))}
           {shown.isDraft && <p class="aside">{state.ended === state.bench ? words.draftOnly : isScript(state.bench) ? words.draft : LAYOUT_TEXTS[language].asItIs}</p>}

@@ -6,6 +6,7 @@ import type { Files } from "./command";
 import { NO_SCREEN, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
 import { MESH_FORMATS, exportLine, exportMesh } from "./exports";
 import { isBroken } from "./outdated";
+import { FaultSaid } from "./Said";
 import { PANEL_TEXTS } from "./panel_texts";
 import type { Page } from "./words";
 
@@ -115,7 +116,7 @@ function Written({ page }: { page: Page }) {
   if (exported.state === "written") return <p role="status">{words.exportWritten(name, say.bytes(exported.bytes))}</p>;
   return (
     <p class="fault" role="alert">
-      <b>{words.exportFailed(name)}</b> {exported.fault ? <span lang="en">{exported.fault.text}</span> : words.exportNoProof}
+      <b>{words.exportFailed(name)}</b> {exported.fault ? <FaultSaid fault={exported.fault} language={language} /> : words.exportNoProof}
     </p>
   );
 }

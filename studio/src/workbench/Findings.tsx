@@ -1,7 +1,7 @@
 // The defects of a mesh that was opened, their places, and their repairs.
 import type { Vec3 } from "../viewer";
 import { Working } from "./Certificate";
-import { cureIn, joining, nameIn, sentenceIn } from "./command_zh";
+import { adviceIn, cureIn, joining, meaningIn, nameIn } from "./command_zh";
 import { isScript, isVolume, stem } from "./document";
 import { towards } from "./pixels";
 import { Said } from "./Said";
@@ -20,6 +20,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
       <ul>
         {findings.map((finding) => {
           const places = state.witnesses.filter(({ of }) => of === finding.of).map(({ at }) => control?.place(at) ?? at);
+          const advice = adviceIn(language, finding);
           const show = (at: Vec3) => {
             mark(places);
             control?.look(towards(at, state.view, state.home));
@@ -30,11 +31,11 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
                 <b>
                   {say.whole(finding.count)} <Said words={nameIn(language, finding)} />
                 </b>
-                <Said words={sentenceIn(language, finding.means)} />
+                <Said words={meaningIn(language, finding)} />
               </p>
-              {finding.advice && (
+              {advice && (
                 <p class="aside">
-                  <Said words={sentenceIn(language, finding.advice)} />
+                  <Said words={advice} />
                 </p>
               )}
               <div class="row tight">
@@ -49,7 +50,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
                       {k + 1}
                     </button>
                   ))}
-                {[...finding.cures, ...joining(finding.means)].map((option) => (
+                {[...finding.cures, ...joining(finding.sentences)].map((option) => (
                   <button type="button" key={option} data-cure={option} onClick={() => cure([option])}>
                     {words.cure(cureIn(language, option))}
                   </button>

@@ -1,6 +1,7 @@
-// The command's sentences on meshes and on its progress, as the page shows them: options in words, and everything in Chinese,
-// looked up by the English text. A text without a translation stays English.
+// The command's sentences, as the page shows them: options in words, and in Chinese by the code and the values that a report
+// gives for each. A sentence whose code has no translation stays English.
 import { cureTexts } from "../core/cures";
+import { ERRORS } from "./errors_zh";
 import type { Language } from "./texts";
 
 /** A text, with its language if that is not the page's. */
@@ -36,40 +37,63 @@ function byOption(texts: Record<string, string>): Record<string, string> {
   return Object.fromEntries(Object.entries(texts).map(([cure, text]) => [`--${cure}`, text]));
 }
 
-/** Sentences about findings. */
-const SENTENCES: Record<string, string> = {
-  "the surface ends there, so that it has no inside": "曲面到此为止，因此没有内部。",
-  "sheets branch there, so that the next face is ambiguous": "曲面在那里分叉，分不出下一个面是哪个。",
-  "sheets touch in a point, so that its faces form no single fan": "几片曲面只在一点相接，那里的面不构成单一的扇形。",
-  "a vertex lies in a neighbour's edge: a crack may show": "一个顶点落在邻面的边上：可能露出裂缝。",
-  "one of the two triangles there shows its back": "那里的两个三角形有一个背面朝外。",
-  "the front faces the inside": "正面朝向内部。",
-  "triangles meet where they should not, and inside is ambiguous": "三角形在不该相遇处相遇，内外不明。",
-  "two triangles lie in the same place, and their pixels flicker": "两个三角形占同一位置，像素会闪烁。",
-  "the surface is cut apart between equal points": "曲面在坐标相同的点之间断开。",
-  "two corners are the same vertex, so that the area is zero": "两个角是同一个顶点，面积为零。",
-  "all corners lie on one line, so that there is no normal": "三个角在一条直线上，没有法线。",
-  "longer than 100 heights, with a weak normal": "长度超过高的 100 倍，法线不可靠。",
-  "no triangle has a corner there": "没有三角形用到它。",
-  "the filling may cross the surface, which `inspect --self-intersections` shows afterwards":
-    "填补的三角形可能穿过曲面，补后请检查自相交。",
-  "move them apart or unite the solids in the program that made them; winding numbers still tell what is inside":
-    "请在制作它的程序中把它们移开，或合并成一个实体；环绕数仍能判断内外。",
-  "mesh the true shape again, if there is one; smooth normals are safer than flat ones":
-    "若有原来的形状，请重新网格化；光滑法线比平面法线可靠。",
-  "the surface has one side only, as a Möbius strip: cut it open, or draw both sides":
-    "曲面只有一侧，如莫比乌斯带：请把它剪开，或两面都绘制。",
-  "a surface with one side only stays open: cut it so that it has two, then fill":
-    "只有一侧的曲面无法封闭：先剪开，使它有两侧，再补孔。",
-  "leave them: if they were welded, sheets would branch or touch there": "请保留：焊接后曲面会在那里分叉或相接。",
-  "look at it in the program that made it": "请在制作它的程序中查看。",
-  "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it":
-    "这是开放的曲面，或有分叉：可以保留，或在制作它的程序中赋予厚度。",
-  "`chordal mend --split-nonmanifold` into OBJ or PLY: this format ties equal positions together again":
-    "请用 `chordal mend --split-nonmanifold` 写成 OBJ 或 PLY：这种格式会把坐标相同的点重新连在一起。",
+/** A sentence of the command by its code, with the values in it. */
+export interface Sentence {
+  code: string;
+  values?: Readonly<Record<string, string>>;
+}
+
+type Values = Readonly<Record<string, string>>;
+
+/** What a finding means; the code of a defect is the name of its count. */
+export const MEANINGS: Record<string, string | ((values: Values) => string)> = {
+  boundary_edges: "曲面到此为止，因此没有内部。",
+  non_manifold_edges: "曲面在那里分叉，分不出下一个面是哪个。",
+  non_manifold_vertices: "几片曲面只在一点相接，那里的面不构成单一的扇形。",
+  t_junctions: "一个顶点落在邻面的边上：可能露出裂缝。",
+  inconsistent_edges: "那里的两个三角形有一个背面朝外。",
+  inside_out: "正面朝向内部。",
+  self_intersections: "三角形在不该相遇处相遇，内外不明。",
+  duplicate_faces: "两个三角形占同一位置，像素会闪烁。",
+  duplicate_vertices: "曲面在坐标相同的点之间断开。",
+  collapsed_faces: "两个角是同一个顶点，面积为零。",
+  zero_area_faces: "三个角在一条直线上，没有法线。",
+  slivers: "长度超过高的 100 倍，法线不可靠。",
+  unused_vertices: "没有三角形用到它。",
+  "filling-may-cross": "填补的三角形可能穿过曲面，补后请检查自相交。",
+  "nearly-joined": ({ vertices, within }) => `其中 ${vertices} 个边界顶点与别的顶点相距不超过 ${within}，焊接可使其相连。`,
 };
 
-const NEARLY_JOINED = /^(\d+) of its boundary vertices are within (\S+) of others, which `mend (--weld=[^`]+)` joins$/;
+/** What to do about a finding that no repair mends. */
+export const ADVICE: Record<string, string> = {
+  self_intersections: "请在制作它的程序中把它们移开，或并成一个实体；环绕数仍能判断内外。",
+  slivers: "若有原来的形状，请重新网格化；光滑法线比平面法线可靠。",
+  inconsistent_edges: "曲面只有一侧，如莫比乌斯带：请把它剪开，或两面都绘制。",
+  boundary_edges: "只有一侧的曲面无法封闭：先剪开，使它有两侧，再补孔。",
+  duplicate_vertices: "请保留：焊接后曲面会在那里分叉或相接。",
+  "open-sheet": "这是开放的曲面，或有分叉：可以保留，或在制作它的程序中赋予厚度。",
+  "split-and-keep-apart": "请用 `chordal mend --split-nonmanifold` 写成 OBJ 或 PLY：这种格式会把坐标相同的点重新连在一起。",
+};
+/** The advice on any other defect. */
+const LOOK = "请在制作它的程序中查看。";
+
+/** The assumptions of a proof. They are sentences of whoever made them, a script's author among them, and have no code. */
+const ASSUMPTIONS: readonly (readonly [RegExp, (...values: string[]) => string])[] = [
+  [/^values of the interpolant between samples are taken as rounded to f64$/, () => "样本之间的插值按舍入到双精度的值计。"],
+  [/^no part of the outlines and no gap in them appears or vanishes in the polygons that replace them$/, () => "用多边形代替轮廓时，没有部分或缝隙出现或消失。"],
+  [/^the mesh is not closed, and points whose winding number is above a half count as inside$/, () => "网格不封闭，环绕数大于一半的点算作内部。"],
+  [/^what is farther from a shape than the bound of its triangles is on the same side of both$/, () => "到形状的距离超过其三角形误差上界的点，对两者都在同一侧。"],
+  [/^no region on the wrong side was missed by the (\d+) points whose winding numbers were compared$/, (n) => `比较了 ${n} 个点的环绕数，没有漏掉内外相反的区域。`],
+  [/^a shape whose distance was computed anew is replaced by triangles, which are up to (\S+) away from it$/, (most) => `重新计算距离的形状由三角形代替，两者相距至多 ${most}。`],
+  [/^the computed signs of the field are right at (\d+) samples where rounding could change them$/, (n) => `有 ${n} 个样本的符号可能因舍入而变，计算出的符号都正确。`],
+  [
+    /^along the triangles of a mesh that is open or crosses itself, nothing is thinner than (\S+): .* \((\d+) places could have one\)$/,
+    (thin, n) => `网格开放或自相交，沿其三角形没有比 ${thin} 更薄的东西：样本之间没有薄膜、缝隙或凸起（有 ${n} 处可能存在）。`,
+  ],
+  [/^the field has no interior points outside the box from (.*) to (.*)$/, (low, high) => `在从 ${low} 到 ${high} 的盒子之外，场没有内部点。`],
+  [/^the sign expression has the sign of the field's value everywhere$/, () => "符号表达式处处与场的值同号。"],
+  [/^a displacement takes off no more than its amplitude, (.*)$/, (amplitude) => `位移削去的不超过其振幅 ${amplitude}。`],
+];
 
 /** The stages of the command's progress. */
 export const STAGES: Record<string, string> = {
@@ -87,15 +111,9 @@ export const STAGES: Record<string, string> = {
   tessellate: "细分",
 };
 
-function sentence(english: string): string | undefined {
-  const translation = SENTENCES[english];
-  if (translation !== undefined) return translation;
-  const joined = NEARLY_JOINED.exec(english);
-  if (joined) return `其中 ${joined[1]} 个边界顶点与别的顶点相距不超过 ${joined[2]}，焊接可使其相连。`;
-  // Several sentences joined by semicolons: the meaning, then remarks.
-  const [first, ...rest] = english.split("; ");
-  const [meaning, besides] = [SENTENCES[first!], rest.length ? sentence(rest.join("; ")) : undefined];
-  return meaning !== undefined && besides !== undefined ? meaning + besides : undefined;
+function said({ code, values = {} }: Sentence): string | undefined {
+  const translation = MEANINGS[code];
+  return typeof translation === "function" ? translation(values) : translation;
 }
 
 /** Replaces the command's options in a sentence by words. */
@@ -105,18 +123,38 @@ const worded = (english: string): string =>
     .replace(/which `mend --weld=[^`]+` joins/, "which welding joins");
 
 /** The options for welding over a distance that a sentence names: only the reader can decide on that repair. */
-export function joining(english: string): readonly string[] {
-  const options = english.split("; ").map((part) => NEARLY_JOINED.exec(part)?.[3]);
-  return options.filter((option) => option !== undefined);
-}
+export const joining = (sentences: readonly Sentence[]): readonly string[] =>
+  sentences.flatMap(({ code, values }) => (code === "nearly-joined" && values?.["within"] ? [`--weld=${values["within"]}`] : []));
 
 const spoken = (language: Language, english: string, chinese: string | undefined): Spoken => {
   if (language === "en") return { text: english };
   return chinese === undefined ? { text: english, lang: "en" } : { text: chinese };
 };
 
-/** A sentence about a finding. */
-export const sentenceIn = (language: Language, english: string): Spoken => spoken(language, worded(english), sentence(english));
+/** The meaning of a finding. If any of its sentences is unknown, it stays English as a whole. */
+export function meaningIn(language: Language, { means, sentences }: { means: string; sentences: readonly Sentence[] }): Spoken {
+  const all = sentences.map(said);
+  return spoken(language, worded(means), all.length === 0 || all.includes(undefined) ? undefined : all.join(""));
+}
+
+/** The advice on a finding. */
+export function adviceIn(language: Language, { of, advice, advice_code: code }: { of: string; advice: string | null; advice_code: string | null }): Spoken | null {
+  if (advice === null) return null;
+  return spoken(language, worded(advice), code === null ? undefined : (ADVICE[code] ?? (code === of ? LOOK : undefined)));
+}
+
+/** An assumption of a proof. */
+export function assumptionIn(language: Language, english: string): Spoken {
+  for (const [pattern, chinese] of ASSUMPTIONS) {
+    const match = pattern.exec(english);
+    if (match) return spoken(language, english, chinese(...match.slice(1)));
+  }
+  return spoken(language, english, undefined);
+}
+
+/** An error: what its code says, before the sentence with its values, which stays English. */
+export const errorIn = (language: Language, code: string | undefined): string | undefined =>
+  language === "zh" && code !== undefined ? ERRORS[code] : undefined;
 
 /** The name of a finding, which follows its number. */
 export const nameIn = (language: Language, { of, words }: { of: string; words: string }): Spoken =>

@@ -20,11 +20,10 @@ import {
 } from "./document";
 import { carriedBy, verifyCarried } from "./carried";
 import type { FunctionRow } from "./editor";
-import { KEEP_BEST } from "./exports";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, withPictures } from "./glb";
 import { MOST_FAULTS, inScript, isMendable, withoutFault } from "./faults";
 import { type Jobs, Stopped } from "./jobs";
-import { type Fault, faultOf, reportOf, sliceOf } from "./outcome";
+import { type Fault, KEEP_BEST, faultOf, madeBy, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
@@ -57,7 +56,7 @@ const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
 const LEFT_AFTER = { seconds: 2, percent: 3 };
 /** A mesh file of more bytes is shown as it is before its own mesh is made. Chosen: a smaller one takes less than a second. */
 const SHOWN_FIRST = 1e6;
-/** Exit code of the command: an unknown option. */
+/** The command's exit code for an unknown option. */
 const USAGE = 2;
 /** The largest total size of opened files. Chosen: a browser holds several copies of them in memory. */
 const MOST_BYTES = 600e6;
@@ -283,9 +282,9 @@ export class Controller {
     // The input may have changed while the command ran.
     if (!run || current !== this.state.bench) return;
     const { outcome, line } = run;
-    const bytes = outcome.outputs[name];
-    if (!bytes || outcome.exit !== 0) return this.update({ fault: faultOf(outcome) });
-    this.put({ ...bench(name, outcome.outputs, [...current.before, line]), budget: current.budget });
+    const made = madeBy(outcome, line);
+    if (!made?.[name]) return this.update({ fault: faultOf(outcome) });
+    this.put({ ...bench(name, made, [...current.before, line]), budget: current.budget });
   }
 
   async levels(): Promise<void> {
@@ -295,7 +294,7 @@ export class Controller {
     const run = await this.runSupported("levels", ["lod", ...reading(current), "--px", "1", "--view", screen, "-o", name], current.files, true);
     if (!run || current !== this.state.bench) return;
     const { outcome, line } = run;
-    const bytes = outcome.outputs[name];
+    const bytes = madeBy(outcome, line)?.[name];
     const report = reportOf(outcome);
     if (!bytes || !report.certificate?.levels) return this.update({ fault: faultOf(outcome) });
     const { frame } = report.certificate;
@@ -319,7 +318,7 @@ export class Controller {
     const run = await this.runSupported("slice", ["bake", ...reading(current), "--cells", SLICE_CELLS, "-o", "slice.npy"], current.files, true);
     if (!run || current !== this.state.bench) return;
     const { outcome } = run;
-    const bytes = outcome.outputs["slice.npy"];
+    const bytes = madeBy(outcome, run.line)?.["slice.npy"];
     if (!bytes) return this.update({ fault: faultOf(outcome) });
     this.update({ slice: sliceOf(bytes, reportOf(outcome)) });
   }
@@ -492,7 +491,7 @@ export class Controller {
     const outcome = await this.run(lane, words, input.files, true);
     if (!outcome || !this.isWanted(lane, input)) return null;
     const { certificate } = reportOf(outcome);
-    const bytes = outcome.outputs[output];
+    const bytes = madeBy(outcome, words)?.[output];
     const isNewest = input === this.state.bench;
     if (!bytes || !certificate) {
       if (lane === "draft" || isNewest) this.update({ fault: faultOf(outcome) });
@@ -597,7 +596,7 @@ export class Controller {
     const run = await this.runSupported("picture", line, files, true);
     if (!run || current !== this.state.bench || beside !== this.state.beside) return;
     const { outcome } = run;
-    const png = outcome.outputs["picture.png"];
+    const png = madeBy(outcome, run.line)?.["picture.png"];
     this.drawnOf = kind === "traced" ? current : shown;
     if (!png) return this.update({ fault: faultOf(outcome) });
     this.update({ picture: { kind, png, report: reportOf(outcome) } });

@@ -1,9 +1,9 @@
 // What the export buttons write: the mesh that was proved and is shown, as it is or converted, which takes milliseconds; and
 // what the command makes of the input itself, such as tiles. A run that fails is a sentence, never a file.
 import type { Controller } from "./controller";
-import type { Files, Outcome } from "./command";
+import type { Files } from "./command";
 import { type Line, stem } from "./document";
-import { type Fault, faultOf } from "./outcome";
+import { type Fault, faultOf, madeBy } from "./outcome";
 import type { Shown, State } from "./state";
 
 export const MESH_FORMATS = ["glb", "3mf", "stl", "ply", "obj"] as const;
@@ -16,23 +16,11 @@ export type Exported =
   /** Without a fault the reason is that there is no proved mesh. */
   | { state: "failed"; name: string; fault: Fault | null };
 
-/** Exit code of the command: a budget that was not met. */
-const UNMET = 5;
-/** With this option the command writes the best mesh even if it misses the budget. */
-export const KEEP_BEST = "--keep-best";
 /** With this option a conversion that changes no coordinate keeps the certificate of the mesh. */
 const KEEP_CERTIFICATE = "--keep-certificate";
 
 /** The mesh of the current input, once its proof has ended; `null` if there is none. */
 export const isProved = ({ shown, bench }: State): boolean => shown !== null && shown.bench === bench && !shown.isDraft;
-
-/** The files that a run wrote, if it succeeded and each has content. */
-export function written({ exit, outputs }: Outcome, line: Line): Files | null {
-  const isBest = exit === UNMET && line.includes(KEEP_BEST);
-  const contents = Object.values(outputs);
-  // The outputs of a failed run may be incomplete.
-  return (exit === 0 || isBest) && contents.length > 0 && contents.every(({ length }) => length > 0) ? outputs : null;
-}
 
 /**
  * Whether a GLB of the shape has its coordinates as they are: it is always in metres with y up, so a shape in another frame is
@@ -72,13 +60,13 @@ export async function exportLine(control: Controller, line: Line, name: string, 
     control.change({ exported: null });
     return null;
   }
-  const outputs = written(run.outcome, run.line);
+  const outputs = madeBy(run.outcome, run.line);
   return outputs ? done(control, name, outputs) : failed(control, name, faultOf(run.outcome));
 }
 
 async function convert(control: Controller, line: Line, files: Files): Promise<Files | null> {
   const run = await control.runSupported("export", line, files, false);
-  const outputs = run && written(run.outcome, run.line);
+  const outputs = run && madeBy(run.outcome, run.line);
   return outputs && done(control, line[2]!, outputs);
 }
 

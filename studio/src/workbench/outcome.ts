@@ -1,10 +1,12 @@
 // Reads the outcome of a run: its report, its error with the place in the script, and samples of a field.
 import type { Vec3 } from "../viewer";
-import type { Outcome } from "./command";
+import type { Files, Outcome } from "./command";
 import type { Report } from "./report";
 
 export interface Fault {
   text: string;
+  /** The command's code for it, by which it is translated. */
+  code?: string;
   /** The place in the script, counted from 1. */
   line?: number;
   column?: number;
@@ -16,6 +18,18 @@ export interface Slice {
   origin: Vec3;
   spacing: number;
   samples: Float64Array;
+}
+
+/** The exit code of a budget that was missed. */
+const UNMET = 5;
+/** The option by which a line asks for the best result of a missed budget. */
+export const KEEP_BEST = "--keep-best";
+
+/** The files that a run has made. `null` if it failed, whatever it has left behind: its exit code says so, its files do not. */
+export function madeBy({ exit, outputs }: Outcome, line: readonly string[]): Files | null {
+  const isBest = exit === UNMET && line.includes(KEEP_BEST);
+  const contents = Object.values(outputs);
+  return (exit === 0 || isBest) && contents.length > 0 && contents.every(({ length }) => length > 0) ? outputs : null;
 }
 
 export function reportOf({ stdout }: Outcome): Report {
@@ -32,10 +46,11 @@ const PLACE = /^[^:]*: line (\d+)(?:, column (\d+))?: ([^]*)$/;
 export function faultOf(outcome: Outcome): Fault {
   const { error } = reportOf(outcome);
   const message = error?.messages[0] ?? outcome.stderr.split("\nchordal: ")[0]!.replace(/^chordal: /, "").trim();
+  const coded = error ? { code: error.code } : {};
   const match = PLACE.exec(message);
-  if (!match) return { text: message };
+  if (!match) return { text: message, ...coded };
   const [, line, column, text] = match;
-  return { text: text!.split("\n")[0]!, line: Number(line), ...(column ? { column: Number(column) } : {}) };
+  return { text: text!.split("\n")[0]!, line: Number(line), ...(column ? { column: Number(column) } : {}), ...coded };
 }
 
 /** Reads a NumPy file of doubles in Fortran order. */

@@ -1,6 +1,7 @@
 // The part of a report that the page reads; see docs/schema/report.schema.json.
 import type { Vec3 } from "../viewer";
 import type { Source } from "./carried";
+import type { Sentence } from "./command_zh";
 
 export interface BoundFacts {
   at_least: number;
@@ -53,8 +54,10 @@ export interface FindingFacts {
   weight: "fault" | "remark";
   words: string;
   means: string;
+  sentences: readonly Sentence[];
   cures: readonly string[];
   advice: string | null;
+  advice_code: string | null;
 }
 
 export interface Inspection {

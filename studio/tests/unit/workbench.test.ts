@@ -15,6 +15,7 @@ import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
 import { type Box, awayFrom, distanceOf, fillingDistance, pixelsOf, towards } from "../../src/workbench/pixels";
 import type { Certificate } from "../../src/workbench/report";
 import { pack, unpack } from "../../src/workbench/share";
+import { faultOf, madeBy } from "../../src/workbench/outcome";
 import type { LaneName } from "../../src/workbench/state";
 import { BenchSay } from "../../src/workbench/words";
 
@@ -372,6 +373,24 @@ test("unequal scales keep normals upright, and a mirror keeps the front of a tri
   const [mirrored] = parts(scaledTriangle([-1, 1, 1], [0, 0, 1]), frame as never);
   expect([...mirrored!.indices]).toEqual([0, 2, 1]);
   expect(mirrored!.normals![2]).toBe(1);
+});
+
+/** A part whose tiles once ended as an archive with a lock file alone. */
+const DATA = process.env["CHORDAL_DATA"] ?? new URL("../../../../shared/data", import.meta.url).pathname;
+const EMPTY_TILES = join(DATA, "repro3/parts/tiles_empty_zip.star");
+
+test("whether a run has made its files is said by its exit code, not by what it left behind", async () => {
+  const left = { "tiles/.chordal.lock": new Uint8Array() };
+  for (const exit of [1, 2, 3, 4, 5, 6, 130]) expect(madeBy({ exit, stdout: "", stderr: "", outputs: left }, ["lod"]), String(exit)).toBeNull();
+  expect(madeBy({ exit: 5, stdout: "", stderr: "", outputs: left }, ["mesh", "--keep-best"])).toBe(left);
+  expect(madeBy({ exit: 0, stdout: "", stderr: "", outputs: {} }, ["lod"])).toBeNull();
+  if (!existsSync(EMPTY_TILES)) return console.warn(`SKIPPED: the tiles of ${EMPTY_TILES}, which is not here`);
+  const module = await WebAssembly.compile(readFileSync(new URL("../../wasm/command.wasm", import.meta.url)));
+  const words = ["lod", "part.star", "--px", "1", "-o", "tiles/"];
+  const outcome = await run(module, words, { "part.star": readFileSync(EMPTY_TILES) });
+  const made = madeBy(outcome, words);
+  if (outcome.exit === 0) expect(Object.keys(made!).filter((name) => /tileset\.json$/.test(name)).length).toBeGreaterThan(0);
+  else expect([made, faultOf(outcome).text.length > 0]).toEqual([null, true]);
 });
 
 describe("an export", () => {

@@ -3,7 +3,24 @@ import { readFileSync, readdirSync } from "node:fs";
 import { beforeAll, describe, expect, test, vi } from "vitest";
 import { DOCTOR } from "../../src/exhibits/doctor_texts";
 import { run } from "../../src/workbench/command";
-import { CURES, CURES_EN, NAMES, STAGES, cureIn, joining, nameIn, sentenceIn, stageIn } from "../../src/workbench/command_zh";
+import {
+  ADVICE,
+  CURES,
+  CURES_EN,
+  MEANINGS,
+  NAMES,
+  STAGES,
+  adviceIn,
+  assumptionIn,
+  cureIn,
+  errorIn,
+  joining,
+  meaningIn,
+  nameIn,
+  stageIn,
+} from "../../src/workbench/command_zh";
+import { ERRORS } from "../../src/workbench/errors_zh";
+import { faultOf } from "../../src/workbench/outcome";
 import type { FindingFacts, Report } from "../../src/workbench/report";
 
 // The tests' module is half as fast as that of the pages.
@@ -25,9 +42,56 @@ describe("every sentence of the command", () => {
     const names = wordsOf("name");
     expect(names.length).toBe(13);
     expect(Object.keys(NAMES).sort()).toEqual(names.sort());
-    const sentences = [...wordsOf("meaning"), ...wordsOf("advice")];
-    expect(sentences.length).toBe(19);
-    expect(sentences.filter((words) => !isChinese(sentenceIn("zh", words)))).toEqual([]);
+    // Besides the meaning of each defect, what the report adds by a code of its own.
+    const facts = source("crates/chordal-verbs/src/report/findings.rs");
+    const codes = [...facts.matchAll(/(?:code: |plain\(|Some\(\()"([^"]+)"/g)].map((match) => match[1]!);
+    expect(codes.sort()).toEqual(["filling-may-cross", "nearly-joined", "open-sheet", "split-and-keep-apart"]);
+    expect(Object.keys(MEANINGS).sort()).toEqual([...names, "filling-may-cross", "nearly-joined"].sort());
+    const advised = Object.keys(ADVICE).filter((code) => !names.includes(code));
+    expect(advised.sort()).toEqual(["open-sheet", "split-and-keep-apart"]);
+    for (const of of names) {
+      expect(isChinese(meaningIn("zh", { means: "x", sentences: [{ code: of }] })), of).toBe(true);
+      expect(isChinese(adviceIn("zh", { of, advice: "x", advice_code: of })!), of).toBe(true);
+    }
+  });
+
+  test("about an error has a translation by its code", () => {
+    const crates = ["chordal-io", "chordal-verbs", "chordal-script", "chordal-cli"];
+    const codes = new Set<string>();
+    for (const crate of crates) {
+      const folder = `${PROJECT}crates/${crate}/src/`;
+      for (const name of readdirSync(folder, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".rs"))) {
+        const text = readFileSync(folder + name, "utf8").split("#[cfg(test)]")[0]!;
+        const made = /(?:ReadError::new|\.error|error_at|Fault::\w+|ScriptError::new)\(\s*(?:Exit::\w+,\s*)?"([a-z0-9]+(?:-[a-z0-9]+)*)"/g;
+        for (const match of text.matchAll(made)) codes.add(match[1]!);
+      }
+    }
+    const refusals = /fn as_str\(self\)[^]*?\n    \}/.exec(source("crates/chordal/src/budget/bounded.rs"))![0];
+    const failures = /pub fn code\(&self\)[^]*?\n    \}/.exec(source("crates/chordal-verbs/src/failure.rs"))![0];
+    for (const match of (refusals + failures).matchAll(/=> "([^"]+)"/g)) codes.add(match[1]!);
+    expect(codes.size).toBeGreaterThan(150);
+    expect([...codes].filter((code) => !(code in ERRORS)).sort()).toEqual([]);
+    expect(Object.entries(ERRORS).filter(([, text]) => !/\p{Script=Han}.*。$/u.test(text))).toEqual([]);
+    expect(errorIn("zh", "not-stl")).toBe("这不是 STL 文件。");
+    expect(errorIn("en", "not-stl")).toBeUndefined();
+    expect(errorIn("zh", "hum")).toBeUndefined();
+    const stdout = JSON.stringify({ error: { code: "script-value", exit: 3, messages: ["a.star: line 3, column 2: it hums"] } });
+    expect(faultOf({ exit: 3, stdout, stderr: "", outputs: {} })).toEqual({ text: "it hums", line: 3, column: 2, code: "script-value" });
+  });
+
+  test("about an assumption of a proof has a translation", () => {
+    const made = [
+      "values of the interpolant between samples are taken as rounded to f64",
+      "no region on the wrong side was missed by the 12 points whose winding numbers were compared",
+      "along the triangles of a mesh that is open or crosses itself, nothing is thinner than 1.0e-2: no film, gap or bump lies between the samples (3 places could have one)",
+      "a displacement takes off no more than its amplitude, 0.5",
+    ];
+    for (const sentence of made) expect(isChinese(assumptionIn("zh", sentence)), sentence).toBe(true);
+    expect(assumptionIn("zh", made[1]!).text).toContain("12");
+    // Sentences of the crates, up to their first value.
+    const files = ["convert/grid_to_mesh", "convert/bevel/mod", "convert/mesh_leaf", "convert/fields_with_meshes/mod", "boolean/result", "implicit/field", "implicit/combine/offset"];
+    const all = files.map((name) => source(`crates/chordal/src/${name}.rs`)).join("\n").replace(/\\\n\s*/g, "");
+    for (const sentence of made) expect(all, sentence).toContain(sentence.split(/ \d/)[0]!);
   });
 
   test("about a repair has a translation", () => {
@@ -49,11 +113,13 @@ describe("every sentence of the command", () => {
   });
 
   test("without a translation stays as it is, marked as English", () => {
-    expect(sentenceIn("zh", "it hums")).toEqual({ text: "it hums", lang: "en" });
-    expect(sentenceIn("zh", "no triangle has a corner there; it hums")).toMatchObject({ lang: "en" });
+    expect(meaningIn("zh", { means: "it hums", sentences: [{ code: "hums" }] })).toEqual({ text: "it hums", lang: "en" });
+    expect(meaningIn("zh", { means: "it hums", sentences: [{ code: "unused_vertices" }, { code: "hums" }] })).toMatchObject({ lang: "en" });
+    expect(adviceIn("zh", { of: "x", advice: "hum", advice_code: "y" })).toEqual({ text: "hum", lang: "en" });
+    expect(assumptionIn("zh", "it hums")).toEqual({ text: "it hums", lang: "en" });
     expect(nameIn("zh", { of: "hums", words: "hums" })).toEqual({ text: "hums", lang: "en" });
     expect(stageIn("zh", "hum")).toEqual({ text: "hum", lang: "en" });
-    expect(sentenceIn("en", "it hums")).toEqual({ text: "it hums" });
+    expect(meaningIn("en", { means: "it hums", sentences: [] })).toEqual({ text: "it hums" });
     expect(cureIn("zh", "--hum")).toBe("--hum");
     expect(isChinese(stageIn("zh", Object.keys(STAGES)[0]!))).toBe(true);
   });
@@ -93,8 +159,9 @@ describe("findings of files", () => {
 
   test("are completely in Chinese", () => {
     const english = findings.flatMap((finding) => {
-      const { means, advice, cures } = finding;
-      const said = [nameIn("zh", finding), sentenceIn("zh", means), ...(advice ? [sentenceIn("zh", advice)] : [])];
+      const { cures } = finding;
+      const advice = adviceIn("zh", finding);
+      const said = [nameIn("zh", finding), meaningIn("zh", finding), ...(advice ? [advice] : [])];
       const unsaid = said.filter((words) => !isChinese(words)).map(({ text }) => text);
       return [...unsaid, ...cures.filter((cure) => cureIn("zh", cure) === cure)];
     });
@@ -110,9 +177,9 @@ describe("findings of files", () => {
   test("contain no options of the command, except where the reader types them", () => {
     expect(Object.keys(CURES_EN)).toEqual(Object.keys(CURES));
     const said = (["en", "zh"] as const).flatMap((language) =>
-      findings.flatMap(({ means, cures }) => [
-        sentenceIn(language, means).text,
-        ...[...cures, ...joining(means)].map((option) => cureIn(language, option)),
+      findings.flatMap((finding) => [
+        meaningIn(language, finding).text,
+        ...[...finding.cures, ...joining(finding.sentences)].map((option) => cureIn(language, option)),
       ]),
     );
     expect(said.filter((words) => words.includes("--"))).toEqual([]);
@@ -120,9 +187,9 @@ describe("findings of files", () => {
 
   test("contain the command's number, and have its repair", () => {
     const seam = findings.find(({ means }) => means.includes("--weld="))!;
-    expect(joining(seam.means)).toEqual(["--weld=1.1e-7"]);
+    expect(joining(seam.sentences)).toEqual(["--weld=1.1e-7"]);
     expect(cureIn("en", "--weld=1.1e-7")).toBe("weld vertices within 1.1e-7");
-    expect(sentenceIn("zh", seam.means).text).toBe(
+    expect(meaningIn("zh", seam).text).toBe(
       "曲面到此为止，因此没有内部。其中 4 个边界顶点与别的顶点相距不超过 1.1e-7，焊接可使其相连。",
     );
   });

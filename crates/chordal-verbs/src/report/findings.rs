@@ -6,6 +6,23 @@ use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::check::Defect;
 use chordal::check::findings::Severity;
 use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A sentence by its code and the values in it, for readers of another language.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SentenceFacts {
+    /// Stable, for programs; the meaning of a defect has the name of its count.
+    pub code: &'static str,
+    /// The values, by their names.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub values: BTreeMap<&'static str, String>,
+}
+
+impl SentenceFacts {
+    fn plain(code: &'static str) -> Self {
+        Self { code, values: BTreeMap::new() }
+    }
+}
 
 /// One kind of defect that was found, in words, with its repairs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -21,6 +38,8 @@ pub struct FindingFacts {
     /// Its meaning, as half a sentence.
     #[serde(serialize_with = "message_text")]
     pub means: Message,
+    /// The sentences of the meaning.
+    pub sentences: Vec<SentenceFacts>,
     /// The repairs, in this order; empty if there is none.
     #[serde(skip)]
     pub cures: Vec<Cure>,
@@ -30,6 +49,8 @@ pub struct FindingFacts {
     /// The advice if nothing repairs it.
     #[serde(serialize_with = "message_option")]
     pub advice: Option<Message>,
+    /// The code of the advice; that on a defect in general has the name of its count.
+    pub advice_code: Option<&'static str>,
 }
 
 impl FindingFacts {
@@ -69,20 +90,33 @@ impl FindingFacts {
         let cures = cures(defect, valid);
         let seams = valid.anatomy.as_ref().and_then(|anatomy| anatomy.open_seams.as_ref());
         let [one, several] = defect.words();
+        let open = seams.filter(|_| defect == Defect::BoundaryEdges);
+        let fills = open.is_none() && cures.contains(&Cure::FillHoles);
+        let besides = match open {
+            Some(seams) => Some(SentenceFacts {
+                code: "nearly-joined",
+                values: BTreeMap::from([
+                    ("vertices", seams.vertices.to_string()),
+                    ("within", seams.tolerance()),
+                ]),
+            }),
+            None => fills.then(|| SentenceFacts::plain("filling-may-cross")),
+        };
+        let (advice_code, advice) = advice(defect, valid, &cures).unzip();
         Self {
             of: defect.name(),
             count,
             weight: if defect.severity() == Severity::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
             // The meaning mentions the side effect of a repair.
-            means: if let (Defect::BoundaryEdges, Some(seams)) = (defect, seams) {
-                seams.meaning()
-            } else if cures.contains(&Cure::FillHoles) {
-                may_cross()
-            } else {
-                defect.meaning().into()
+            means: match open {
+                Some(seams) => seams.meaning(),
+                None if fills => may_cross(),
+                None => defect.meaning().into(),
             },
-            advice: advice(defect, valid, &cures),
+            sentences: std::iter::once(SentenceFacts::plain(defect.name())).chain(besides).collect(),
+            advice,
+            advice_code,
             cures,
             options: Vec::new(),
         }
@@ -139,20 +173,21 @@ fn add_consequences(findings: &mut [FindingFacts], tried: &[Cure]) {
     }
 }
 
-/// The advice for a defect that nothing repairs.
-fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<Message> {
+/// The advice for a defect that nothing repairs, after its code.
+fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<(&'static str, Message)> {
     let ties = valid.topology == "positions";
     match defect {
         _ if !cures.is_empty() => None,
         Defect::NonManifoldEdges | Defect::NonManifoldVertices if ties => {
             let split = Message::from("`chordal mend ").setting(Setting::Cure(Cure::SplitNonManifold));
-            Some(split.words("` into OBJ or PLY: this format ties equal positions together again"))
+            let message = split.words("` into OBJ or PLY: this format ties equal positions together again");
+            Some(("split-and-keep-apart", message))
         }
-        Defect::BoundaryEdges if valid.counts.orientable => Some(
-            "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it"
-                .into(),
-        ),
-        _ => Some(defect.advice().into()),
+        Defect::BoundaryEdges if valid.counts.orientable => {
+            let message = "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it";
+            Some(("open-sheet", message.into()))
+        }
+        _ => Some((defect.name(), defect.advice().into())),
     }
 }
 

@@ -44,7 +44,7 @@ pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use distance_grid::{DistanceGridFacts, InterpolantFacts, SolidFacts};
 pub use drawing::{DrawingFacts, JoinCounts, PathJoinFacts, PieceCounts};
 pub use field::{FieldFacts, LineCostFacts};
-pub use findings::{FindingFacts, cures_of_all};
+pub use findings::{FindingFacts, SentenceFacts, cures_of_all};
 pub(crate) use history::gap;
 pub use history::{
     ComposedFacts, HistoryFacts, HistoryStart, PlaceFacts, StepBound, StepFacts, StepInput, StepOutput,

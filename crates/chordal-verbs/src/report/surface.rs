@@ -58,12 +58,16 @@ impl OpenSeamFacts {
         (vertices > 0).then(|| Self { vertices, gap: seams().map(|seams| seams.gap).fold(0.0, greater) })
     }
 
-    /// The meaning of the seams, with the tolerance that closes them.
-    pub(super) fn meaning(&self) -> Message {
-        // Two digits, rounded up.
+    /// The tolerance that closes the seams: two digits, rounded up.
+    pub(super) fn tolerance(&self) -> String {
         let rounded = |x: f64| format!("{x:.1e}");
         let is_enough = |text: &String| text.parse::<f64>().is_ok_and(|x| x >= self.gap);
-        let tolerance = Some(rounded(self.gap)).filter(is_enough).unwrap_or_else(|| rounded(1.06 * self.gap));
+        Some(rounded(self.gap)).filter(is_enough).unwrap_or_else(|| rounded(1.06 * self.gap))
+    }
+
+    /// The meaning of the seams.
+    pub(super) fn meaning(&self) -> Message {
+        let tolerance = self.tolerance();
         let words = format!(
             "the surface ends there, so that it has no inside; {} of its boundary vertices are within {tolerance} of others, \
              which `mend ",

@@ -1,5 +1,6 @@
 //! Levels of detail: a teapot on the desk and a mountain behind it, each with an error of at most a pixel.
 use super::answer::ExhibitAnswer;
+use super::picture_pair::{grey, pair_facts};
 use super::plane::{once, or_text};
 use super::request::ExhibitRequest;
 use super::shapes;
@@ -25,14 +26,20 @@ const LENS: Projection = Projection::Perspective { fov_y_deg: 45.0 };
 /// The errors of the finest levels of both, in metres.
 const FINEST: [f64; 2] = [0.00025, 1.3]; // chosen: a pixel from 0.6 m, and from 3 km
 
+/// The window in which a model is compared with its finest level, in pixels of that screen.
+const WINDOW: Screen = Screen { width_px: 320, height_px: 192 };
+/// The elevation of the camera above the horizon, for that window.
+const ELEVATION_DEG: f64 = 20.0; // chosen: as in the figure
+
 struct Levels {
     all: Vec<LodLevel>,
     switches: SwitchDistances,
 }
 
-/// Answers `{"distance": 0.6}`: for both the level whose error is at most a pixel from there.
+/// Answers `{"distance": 0.6}`: for both the level whose error is at most a pixel from there. With
+/// `"compare": "teapot"` also that model, as large as it is on the screen, by this level and by the finest one.
 pub(super) fn levels(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    request.only(&["distance"])?;
+    request.only(&["distance", "compare"])?;
     let distance = request.number("distance", DISTANCES)?;
     static MADE: OnceLock<[Levels; 2]> = OnceLock::new();
     let models = once(&MADE, || Ok([teapot()?, mountain()?]))?;
@@ -41,7 +48,12 @@ pub(super) fn levels(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> 
         let at = distance + if i == 0 { 0.0 } else { BEHIND };
         level_facts(&models[i], at, &mut answer)
     });
-    answer.facts = json!({ "teapot": near, "mountain": far, "off_axis": off_axis()? });
+    let pair = match request.word_or("compare", &["none", "teapot", "mountain"], "none")? {
+        "none" => Value::Null,
+        "teapot" => compared(&models[0], distance, &mut answer)?,
+        _ => compared(&models[1], distance + BEHIND, &mut answer)?,
+    };
+    answer.facts = json!({ "teapot": near, "mountain": far, "off_axis": off_axis()?, "pair": pair });
     Ok(answer)
 }
 
@@ -65,6 +77,31 @@ fn level_facts(levels: &Levels, distance: f64, answer: &mut ExhibitAnswer) -> Va
         "pixels": choice.pixels,
         "is_enough": choice.is_enough,
     })
+}
+
+/// The chosen level and the finest one, seen from no point of the model nearer than this distance.
+fn compared(levels: &Levels, distance: f64, answer: &mut ExhibitAnswer) -> Result<Value, String> {
+    let finest = &levels.all[0].mesh;
+    let bounds = Box3::from_points(finest.positions());
+    let centre = bounds.centre();
+    let (sin, cos) = chordal::math::elementary::sin_cos(ELEVATION_DEG.to_radians());
+    let away = distance + 0.5 * bounds.diagonal();
+    // A window of the screen has the field of view of its share of the height.
+    let (half_sin, half_cos) = chordal::math::elementary::sin_cos(22.5_f64.to_radians());
+    let half = half_sin / half_cos * f64::from(WINDOW.height_px) / f64::from(SCREEN.height_px);
+    let camera = Camera {
+        eye: [centre[0], centre[1] - away * cos, centre[2] + away * sin],
+        target: centre,
+        up: [0.0, 0.0, 1.0],
+        near: 0.0,
+        projection: Projection::Perspective {
+            fov_y_deg: 2.0 * chordal::math::elementary::atan2(half, 1.0).to_degrees(),
+        },
+        screen: WINDOW,
+    };
+    let chosen = &levels.all[levels.switches.at(distance, None).level].mesh;
+    let [first, second] = [chosen, finest].map(|mesh| grey(mesh, camera, 2));
+    Ok(pair_facts(&first?, &second?, &camera, answer))
 }
 
 fn with_switches(all: Vec<LodLevel>) -> Result<Levels, String> {
@@ -134,7 +171,8 @@ mod tests {
     fn farther_away_fewer_triangles_are_within_a_pixel_and_the_mountain_needs_fewer_than_the_teapot_on_the_desk()
      {
         let at = |distance: f64| {
-            let question = json!({ "exhibit": "levels", "distance": distance }).to_string();
+            let question =
+                json!({ "exhibit": "levels", "distance": distance, "compare": "teapot" }).to_string();
             levels(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
         };
         let mut before = [u64::MAX; 2];
@@ -150,6 +188,9 @@ mod tests {
                 );
                 *before = triangles;
             }
+            // Most pixels of the teapot are the same, also in its shading, which no bound promises.
+            let [covered, seen] = ["covered", "seen"].map(|name| facts["pair"][name].as_u64().unwrap());
+            assert!(covered == 0 || 4 * seen <= 3 * covered, "{seen} of {covered} pixels at {distance}");
         }
         let desk = at(0.6);
         assert!(desk["mountain"]["triangles"].as_u64() < desk["teapot"]["triangles"].as_u64());

@@ -16,6 +16,7 @@ mod levels;
 mod normals;
 mod one_cube;
 mod overshade;
+mod picture_pair;
 mod plane;
 mod quad;
 mod questions;

@@ -1,5 +1,6 @@
 //! Overshading: the shading work of a small screen for triangles of a given size.
 use super::answer::ExhibitAnswer;
+use super::picture_pair::{grey, pair_facts};
 use super::plane::{once, or_text};
 use super::request::ExhibitRequest;
 use super::shapes;
@@ -14,6 +15,11 @@ use std::sync::OnceLock;
 const SCREEN: Screen = Screen { width_px: 36, height_px: 24 };
 /// The range of the sides of triangles, in pixels.
 const SIDES: [f64; 2] = [0.3, 16.0]; // defined: what the slider offers
+/// The window with a ball, in pixels, and the ball's radius.
+const WINDOW: Screen = Screen { width_px: 96, height_px: 64 };
+const RADIUS: f64 = 28.0; // chosen: it fills the window
+/// The rounds of subdivision of the finest ball: sides of half a pixel.
+const FINEST: u32 = 6; // derived: the sides of an icosahedron in this ball are 29 pixels, and a round halves them
 /// Meshes with more triangles are not drawn.
 const DRAWN: usize = 3000; // chosen: the edges of more would be a grey area
 /// The ratio of successive sides on the curve of costs.
@@ -29,7 +35,9 @@ pub(super) fn overshade(request: &ExhibitRequest) -> Result<ExhibitAnswer, Strin
     let curve = once(&CURVE, costs)?;
     let mut answer = ExhibitAnswer::default();
     let drawn = if sheet.faces().len() <= DRAWN { answer.mesh(&sheet) } else { json!(null) };
+    let ball = ball_facts(side, &mut answer)?;
     answer.facts = json!({
+        "ball": ball,
         "mesh": drawn,
         "screen": [SCREEN.width_px, SCREEN.height_px],
         "launches": counts.launches,
@@ -45,6 +53,28 @@ pub(super) fn overshade(request: &ExhibitRequest) -> Result<ExhibitAnswer, Strin
         "curve": curve,
     });
     Ok(answer)
+}
+
+/// A ball of triangles with about these sides beside one with sides of half a pixel, a sample for each pixel.
+fn ball_facts(side: f64, answer: &mut ExhibitAnswer) -> Result<serde_json::Value, String> {
+    static BEST: OnceLock<Vec<u8>> = OnceLock::new();
+    let camera = Camera {
+        eye: [0.0, -100.0, 35.0],
+        target: [0.0; 3],
+        up: [0.0, 0.0, 1.0],
+        near: 0.0,
+        projection: Projection::Orthographic { height: 2.0 * 32.0 / RADIUS },
+        screen: WINDOW,
+    };
+    let best = once(&BEST, || grey(&shapes::ball(FINEST)?, camera, 1))?;
+    // 1.05 is the side of an icosahedron in a ball of radius one.
+    let rounds = (0..=FINEST).find(|n| 1.05 * RADIUS / f64::from(1_u32 << n) <= 1.4 * side).unwrap_or(FINEST);
+    let mesh = shapes::ball(rounds)?;
+    let picture = grey(&mesh, camera, 1)?;
+    let mut facts = pair_facts(&picture, best, &camera, answer);
+    facts["triangles"] = json!(mesh.faces().len());
+    facts["most"] = json!(20_u64 << (2 * FINEST));
+    Ok(facts)
 }
 
 /// The lanes per pixel for each side, from the largest to the smallest.
@@ -97,6 +127,18 @@ pub(super) fn sheet(side: f64) -> Result<Mesh, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn below_a_pixel_the_picture_of_a_ball_stays_the_same() {
+        let seen = |side: f64| {
+            let question = json!({ "exhibit": "overshade", "side": side }).to_string();
+            let answer = overshade(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap();
+            answer.facts["ball"]["seen"].as_u64().unwrap()
+        };
+        let seen = [16.0, 4.0, 0.7, 0.3].map(seen);
+        assert!(seen[0] > 200 && seen[0] > seen[1] && seen[1] > seen[2], "{seen:?}");
+        assert!(seen[2] <= 20 && seen[3] == 0, "{seen:?}");
+    }
 
     #[test]
     fn all_pixels_are_covered_and_the_cost_climbs_to_four_lanes_a_pixel() {

@@ -45,6 +45,11 @@ impl ExhibitRequest {
         word.copied().ok_or_else(|| format!("{key} is one of {}", words.join(", ")))
     }
 
+    /// One of some words, or this one if none is given.
+    pub fn word_or<'a>(&self, key: &str, words: &[&'a str], default: &'a str) -> Result<&'a str, String> {
+        if self.0.contains_key(key) { self.word(key, words) } else { Ok(default) }
+    }
+
     /// A point of D coordinates.
     pub fn point<const D: usize>(&self, key: &str) -> Result<[f64; D], String> {
         point(self.get(key)).ok_or_else(|| wrong_point::<D>(key))

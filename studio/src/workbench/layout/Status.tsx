@@ -1,6 +1,7 @@
 // The line below the picture that always says what is known: the bound and how it is known, faults, what runs, and the scale.
 import { Working, evidenceOf, isKnown, sizeOf } from "../Certificate";
 import { isOutdated } from "../outdated";
+import { FaultSaid } from "../Said";
 import type { Page } from "../words";
 import type { LayoutControl } from "./layout";
 import { LAYOUT_TEXTS } from "./texts";
@@ -39,20 +40,20 @@ export function Status({ page, control, square, unit }: { page: Page; control: L
 
 /** The fault of the current input, and what its script printed, above the status line. */
 export function Messages({ page }: { page: Page }) {
-  const { words, state, control } = page;
+  const { words, state, control, language } = page;
   const { fault, notice } = state;
   return (
     <div class="messages">
       {fault && (
         <p class="fault" role="alert">
-          <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <span lang="en">{fault.text}</span>
+          <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <FaultSaid fault={fault} language={language} />
         </p>
       )}
       {state.moreFaults.length > 0 && (
         <ul class="more-faults" role="status">
           {state.moreFaults.map((one, i) => (
             <li key={i}>
-              <b>{words.atLine(one.line!)}</b> <span lang="en">{one.text}</span>
+              <b>{words.atLine(one.line!)}</b> <FaultSaid fault={one} language={language} />
             </li>
           ))}
         </ul>
