@@ -28,7 +28,7 @@ const cache = join(root, "node_modules/.prerender");
 const { Core, still } = await prerender("src/prerender.tsx", "widget");
 const { onwardFromWidget, written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
 
-const { workbenches } = await prerender("src/workbench/prerender.tsx", "workbench");
+const { workbenches, run } = await prerender("src/workbench/prerender.tsx", "workbench");
 
 /** Replaces a text that must occur exactly once. */
 function replaceOnce(html, old, text, what) {
@@ -94,6 +94,30 @@ const language = join(out, "language.js");
 await writeFile(language, replaceOnce(await readFile(language, "utf8"), "exhibits = []", `exhibits = ${JSON.stringify(ids)}`, "the exhibits"));
 await rm(join(out, "exhibit.html"));
 await rm(cache, { recursive: true });
+
+// What a page looks like where somebody links to it: a picture that the command draws, and the page's own title and
+// description. A preview needs whole addresses, so CHORDAL_PAGE_URL says where the pages will be; without it they are relative.
+const command = await WebAssembly.compile(await readFile(join(root, "wasm/command.wasm")));
+const teapot = { "teapot.bpt": await readFile(join(root, "../examples/teapot.bpt")) };
+for (const [file, size] of [["preview.png", "800x420"], ["icon.png", "180x180"]]) {
+  const { exit, stderr, outputs } = await run(command, ["render", "teapot.bpt", "--size", size, "-o", file], teapot);
+  if (exit !== 0) throw new Error(`the command cannot draw ${file}: ${stderr}`);
+  await writeFile(join(out, file), outputs[file]);
+}
+const site = (process.env.CHORDAL_PAGE_URL ?? "").replace(/(?<=[^/])$/, "/");
+for (const file of (await readdir(out)).filter((name) => name.endsWith(".html"))) {
+  const html = await readFile(join(out, file), "utf8");
+  const [, title] = /<title>([^<]+)<\/title>/.exec(html) ?? [];
+  const [, description] = /<meta name="description" content="([^"]+)"/.exec(html) ?? [];
+  if (!title || !description) throw new Error(`${file} has no title or no description`);
+  const properties = { type: "website", title, description, image: `${site}preview.png`, "image:width": "800", "image:height": "420", ...(site ? { url: site + file } : {}) };
+  const tags = [
+    '<link rel="apple-touch-icon" href="icon.png" />',
+    ...Object.entries(properties).map(([name, value]) => `<meta property="og:${name}" content="${value}" />`),
+    '<meta name="twitter:card" content="summary_large_image" />',
+  ];
+  await writeFile(join(out, file), replaceOnce(html, "</head>", `  ${tags.join("\n    ")}\n  </head>`, "its preview"));
+}
 
 // The service worker's version changes whenever a file does.
 const worker = join(out, "service-worker.js");

@@ -27,7 +27,7 @@ const share = ({ low, high, isLog }: Axis, value: number) =>
   isLog ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
 
 export function Chart({ name, x, y, width = 320, height = 200, isFigure, children }: ChartProps) {
-  const [left, right, top, bottom] = isFigure ? [74, 24, 44, 62] : [50, 10, 26, 40];
+  const [left, right, top, bottom] = isFigure ? [92, 24, 44, 62] : [50, 10, 26, 40];
   const at: Place = (a, b) => [
     left + share(x, a) * (width - left - right),
     height - bottom - share(y, b) * (height - top - bottom),

@@ -84,8 +84,8 @@ const texts: Record<Language, Texts> = {
     chartX: "camera to teapot",
     chartY: "triangles",
     story: [
-      "The error that matters is *on the screen*. So each shape is kept in several *levels of detail*, each proved to be within some length of the true shape; each next one may be off by twice as much, for about half the triangles. Length divided by distance gives pixels, and the coarsest level within one pixel is shown.",
-      "Ten times the distance is ten times the length: a tenth of the triangles where they are many, a twentieth or a sixth where levels are few. This continues until only the coarsest level is left. The mountain, whose distance hardly changes, keeps its triangles until the camera is kilometres away.",
+      "An error counts *in pixels*. So each shape is kept in several *levels of detail*, each proved to be within some length of the true shape; each next one may be off by twice as much, for about half the triangles. Length divided by distance gives pixels, and the coarsest level within one pixel is shown.",
+      "Ten times the distance allows ten times the length: about a tenth of the triangles where there are many; where levels are few, more or less than that. This continues until only the coarsest level is left. The mountain, whose distance hardly changes, keeps its triangles until the camera is kilometres away.",
       "Care is needed *off the axis*: in the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
     ],
     attempts: [
@@ -113,8 +113,8 @@ const texts: Record<Language, Texts> = {
     chartX: "相机到茶壶",
     chartY: "三角形数",
     story: [
-      "要紧的是*屏幕上*的误差。所以每个形状都存成几个*细节层次*（LOD），每一层都证明了与真实形状相差不超过某个长度；下一层允许的误差加倍，三角形约减半。长度除以距离得到像素，显示误差在一个像素以内最粗的一层。",
-      "距离十倍，允许的长度也是十倍：三角形多时约为十分之一，层次少时可能是二十分之一或六分之一，直到只剩最粗的一层。而山的距离几乎不变，直到相机退到几公里外才减少。",
+      "误差要按*像素*算。所以每个形状都存成几个*细节层次*（LOD），每一层都证明了与真实形状相差不超过某个长度；下一层允许的误差加倍，三角形约减半。长度除以距离得到像素，显示误差在一个像素以内最粗的一层。",
+      "距离十倍，允许的长度也是十倍：三角形多时约剩十分之一，层次少时或多或少，直到只剩最粗的一层。而山的距离几乎不变，直到相机退到几公里外才减少。",
       "*偏离光轴*时须注意：同样的距离，同一长度在画面角上占的像素比中心多。这里的切换距离对任何方向都成立，包括四角。屏幕为 1920 × 1080 像素，视角 45 度。",
     ],
     attempts: [

@@ -145,7 +145,7 @@ export const zh: Catalogue = {
   "seam.parametric": "参数连续性",
   "seam.geometric": "几何连续性",
   "seam.apart": "未拼接",
-  "seam.position": "位置偏差",
+  "seam.position": "位置误差",
   "seam.angle": "切线夹角",
   "seam.curvature": "曲率突变",
   "seam.curvatures": "前后的曲率（左转为正）",

@@ -11,10 +11,10 @@ const LOOKS: readonly Look[] = ["both", "chain", "curve"];
 export function Headline({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const chain = answers.study[state.spacing];
-  if (!chain.gap) return <p class="headline">{say.text("headline.point")}</p>;
+  if (!chain.gap) return <h2 class="headline">{say.text("headline.point")}</h2>;
   const result = verdict(chain, state.goal);
   const values = { segments: say.segments(chain.segments), px: say.pixels(chain.gap.pixels) };
-  return <p class={`headline ${result}`}>{say.text(`headline.${result}`, values)}</p>;
+  return <h2 class={`headline ${result}`}>{say.text(`headline.${result}`, values)}</h2>;
 }
 
 export function Count({ page }: { page: Page }) {
@@ -29,7 +29,7 @@ export function Count({ page }: { page: Page }) {
   const step = (key: "half" | "fewer" | "more" | "twice", sign: string, change: (n: number) => number, go: typeof to) => (
     <button
       type="button"
-      aria-label={say.text(`segments.${key}`)}
+      aria-label={`${sign} ${say.text(`segments.${key}`)}`}
       title={say.text(`segments.${key}`)}
       disabled={bounded(change(n)) === n}
       onClick={() => go(change)}

@@ -58,7 +58,7 @@ export function SeamView({ page, move }: { page: Page; move(change: Change, lead
           <SeamDrawing page={page} movePoint={movePoint} />
         </div>
         <div class="side">
-          <p class={`headline ${levelOf(page.answers.seam) === "2" ? "smooth" : "seen"}`}>{headline(page)}</p>
+          <h2 class={`headline ${levelOf(page.answers.seam) === "2" ? "smooth" : "seen"}`}>{headline(page)}</h2>
           <div class="side" inert={page.around.isStill}>
             <Choice
               class="wishes"

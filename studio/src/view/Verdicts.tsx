@@ -79,12 +79,12 @@ export function Needed({ page }: { page: Page }) {
               <button
                 type="button"
                 disabled={n === null || n > MOST_SEGMENTS}
-                aria-label={n === null ? `${say.text("needed.none")}, ${how}` : say.text("needed.show", { segments: say.segments(n), how })}
+                {...(n === null ? {} : { title: say.text("needed.show", { segments: say.segments(n), how }) })}
                 onClick={() => n !== null && set({ segments: n, before: null, spacing })}
               >
                 <Figure name={`needed-${spacing}`} value={n}>
                   {n === null ? say.text("needed.none") : say.segments(n)}
-                </Figure>
+                </Figure>{" "}
                 <span>{how}</span>
               </button>
             </li>

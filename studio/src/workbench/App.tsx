@@ -2,6 +2,7 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { PAINT } from "../exhibits/paint";
 import { Mark, jump } from "../exhibits/Frame";
+import { FRAME } from "../exhibits/frame_texts";
 import { TAGS } from "../exhibits/say";
 import type { Vec3 } from "../viewer";
 import { Themes } from "../view/Themes";
@@ -130,7 +131,7 @@ export function App({ language, state, control }: Props) {
           {words.home}
         </a>
         <h1>{words.title}</h1>
-        <nav class="onward-links">
+        <nav class="onward-links" aria-label={words.exhibits}>
           <a href={language === "zh" ? "exhibits.zh.html" : "exhibits.html"}>{words.exhibits}</a>
         </nav>
         <details class="about">
@@ -144,7 +145,7 @@ export function App({ language, state, control }: Props) {
           </div>
         </details>
         <Themes language={language} />
-        <nav class="language">
+        <nav class="language" aria-label={FRAME[language].language}>
           {(["en", "zh"] as const).map((other) => (
             <a
               key={other}

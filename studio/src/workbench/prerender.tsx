@@ -23,3 +23,6 @@ export function workbenches(): Written[] {
     body: renderToString(<App language={language} state={state} control={null} />),
   }));
 }
+
+// For the picture that the build draws.
+export { run } from "./command";

@@ -2,7 +2,7 @@
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
 import { ExhibitPages, drag, grip, live } from "./exhibit_page";
 import { STOPS, WIDGET, fileOfStop } from "../../src/exhibits/index";
-import { digits, isLong, seriousFindings, settled } from "./site";
+import { digits, isLong, axeFindings, settled } from "./site";
 
 let pages: ExhibitPages;
 beforeAll(async () => {
@@ -151,7 +151,7 @@ test("the tour leads through the widget, in the reader's language, but not in a 
   const shown = () => page.locator(".onward a:not(.to-bench, .to-all):visible").evaluateAll((links) => links.map((link) => link.getAttribute("href")));
   expect(await shown()).toEqual(["runge.html", "cracks.html"]);
   expect(await page.locator(".onward .to-all:visible").getAttribute("href")).toBe("exhibits.html");
-  expect(await seriousFindings(page)).toEqual([]);
+  expect(await axeFindings(page)).toEqual([]);
   await page.getByRole("button", { name: "中文" }).click();
   await settled(page);
   expect(await shown()).toEqual(["runge.zh.html", "cracks.zh.html"]);

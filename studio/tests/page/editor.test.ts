@@ -6,7 +6,7 @@ import type { CDPSession, Page } from "playwright-core";
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { build } from "vite";
 import type { FunctionRow, ScriptEditor } from "../../src/workbench/editor";
-import { ROOT, Site, isLong, seriousFindings } from "./site";
+import { ROOT, Site, isLong, axeFindings } from "./site";
 
 declare global {
   var editor: ScriptEditor;
@@ -292,7 +292,7 @@ test("it has a name, Tab leaves it, and axe finds nothing, in both languages and
       await cursorTo(page, 0, 22);
       await page.evaluate(() => editor.setErrors([{ line: 2, column: 18, message: "cylinder() needs a number" }]));
       await page.keyboard.press("Control+Space");
-      expect(await seriousFindings(page)).toEqual([]);
+      expect(await axeFindings(page)).toEqual([]);
       for (let k = 0; k < 4; k += 1) await page.keyboard.press("Tab");
       expect(await page.evaluate(() => document.activeElement?.id)).toBe("after");
       expect(errors).toEqual([]);

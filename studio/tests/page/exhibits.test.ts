@@ -7,7 +7,7 @@ import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import { EXHIBITS, STOPS, fileOf, fileOfStop } from "../../src/exhibits/index";
 import { LANGUAGES, type Language, TAGS } from "../../src/exhibits/say";
 import { ExhibitPages, live } from "./exhibit_page";
-import { DIST, digits, isLong, seriousFindings, settled } from "./site";
+import { DIST, digits, isLong, axeFindings, settled } from "./site";
 
 let pages: ExhibitPages;
 /** A browser without scripts. */
@@ -58,7 +58,7 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
       await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
       await page.setViewportSize({ width, height: 800 });
       await settled(page);
-      expect(await seriousFindings(page), `axe, ${colorScheme}, ${width} wide`).toEqual([]);
+      expect(await axeFindings(page), `axe, ${colorScheme}, ${width} wide`).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth), "nothing sticks out").toBeLessThanOrEqual(width);
     }
     // In print, dark colours become those of paper.
@@ -145,7 +145,7 @@ test("one address shows every exhibit in a frame, in the reader's language, with
 test("axe finds what it should: a button without a name, text with too little contrast", async () => {
   const page = await pages.site.browser.newPage();
   await page.setContent('<html lang="en"><title>x</title><button></button><p style="color: #aaa; background: #fff">pale</p>');
-  const rules = (await seriousFindings(page)).map((finding) => finding.split(":")[0]);
+  const rules = (await axeFindings(page)).map((finding) => finding.split(":")[0]);
   expect(rules.sort()).toEqual(["button-name", "color-contrast"]);
   await page.close();
 });
@@ -172,7 +172,7 @@ test("the list of exhibits has a figure and a link for each, and works without s
       expect(await card.locator("svg path").count()).toBeGreaterThan(3);
     }
     const { page } = await pages.site.visit(fileOf("exhibits", language));
-    expect(await seriousFindings(page)).toEqual([]);
+    expect(await axeFindings(page)).toEqual([]);
     await page.context().close();
   }
 });

@@ -1,7 +1,7 @@
 // The exhibits of fields and of cost: their numbers are the core's and change as their claims say.
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
 import { ExhibitPages, grip, live } from "./exhibit_page";
-import { digits, isLong, seriousFindings, settled } from "./site";
+import { digits, isLong, axeFindings, settled } from "./site";
 
 let pages: ExhibitPages;
 beforeAll(async () => {
@@ -132,7 +132,7 @@ test("squares: the address opens one cube with the corner of a box, which marchi
   // From the middle of the cell to the plane through the middles of three edges.
   expect(Math.abs((await digits(page, "lost")) - Math.sqrt(1 / 3))).toBeLessThan(0.01);
   expect(await page.locator(".live .meaning").textContent()).toContain("0.58");
-  expect(await seriousFindings(page)).toEqual([]);
+  expect(await axeFindings(page)).toEqual([]);
   await page.locator("input[name=look][value=lattice]").check();
   expect(await pages.number("squares")).toBeGreaterThan(0);
   expect(await page.locator("svg.flat .lattice").count()).toBe(1);

@@ -27,7 +27,8 @@ async function stay(fragment = "#v=1", options: Opening = {}): Promise<Page> {
   return visit.page;
 }
 
-const button = (page: Page, name: string) => page.getByRole("button", { name, exact: true });
+/** By the end of its name: it may begin with what is written on it. */
+const button = (page: Page, name: string) => page.getByRole("button", { name: new RegExp(`${name}$`) });
 const stateOf = async (page: Page) => {
   await settled(page);
   return read(new URL(page.url()).hash).state;

@@ -7,7 +7,7 @@ import { read } from "../../src/state/fragment";
 import { DEFAULTS, type State } from "../../src/state/state";
 import { Frame } from "../../src/view/frame";
 import { countWork, handleOf, type Work, wave, workOf } from "./drag";
-import { Site, WASM, digits, isLong, seriousFindings, settled, type Opening, type Visit } from "./site";
+import { Site, WASM, digits, isLong, axeFindings, settled, type Opening, type Visit } from "./site";
 
 let site: Site;
 let core: Core;
@@ -402,12 +402,12 @@ describe("accessibility and cost", () => {
           const address = `#v=1&w=${view}&h=${theme}&l=${language}`;
           const page = await open(address);
           await page.locator("details").evaluateAll((all) => all.forEach((one) => ((one as HTMLDetailsElement).open = true)));
-          expect(await seriousFindings(page), address).toEqual([]);
+          expect(await axeFindings(page), address).toEqual([]);
         }
       }
     }
     const still = await site.visit("zh.html", { prepare: (page) => page.route("**/*.js", (route) => route.abort()) });
-    expect(await seriousFindings(still.page)).toEqual([]);
+    expect(await axeFindings(still.page)).toEqual([]);
     await still.page.context().close();
   });
 

@@ -2,7 +2,7 @@
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
-import { ROOT, Site, digits, isLong, seriousFindings, settled } from "./site";
+import { ROOT, Site, axeFindings, digits, isLong, settled } from "./site";
 import { PATIENCE, Workbenches, line, panel, small, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
@@ -54,7 +54,7 @@ test("an emptied script has no green certificate and nothing to export, with a m
   expect(new Set(await exportsOf(page))).toEqual(new Set([true]));
   expect(await page.locator(".export").textContent()).toContain("没有可导出的");
   expect(await page.getByRole("button", { name: "按一个像素生成各层次" }).isDisabled()).toBe(true);
-  expect(await seriousFindings(page)).toEqual([]);
+  expect(await axeFindings(page)).toEqual([]);
   await write(page, "sphere(2)");
   await settled(page);
   expect(new Set(await exportsOf(page))).toEqual(new Set([false]));

@@ -1,6 +1,6 @@
 // The workbench for every reader: without script, on a phone, in both languages, in dark and light.
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
-import { Site, isLong, seriousFindings, settled } from "./site";
+import { Site, isLong, axeFindings, settled } from "./site";
 import { PATIENCE, Workbenches, faults, small, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
@@ -46,14 +46,14 @@ test.each(looks)("%s fits and has no serious findings, %s and %i wide", async (f
   const { page, errors } = await pages.open(file, { colorScheme, viewport: { width, height: 768 } });
   const fits = () => page.evaluate(() => document.documentElement.scrollWidth);
   expect(await fits()).toBeLessThanOrEqual(width);
-  expect(await seriousFindings(page)).toEqual([]);
+  expect(await axeFindings(page)).toEqual([]);
   // Parts that only a file has: findings, repairs, and another picture beside the mesh.
   const picker = page.locator(".inputs input[type=file]");
   await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
   await page.locator(".findings li").nth(1).waitFor();
   await settled(page);
   expect(await fits()).toBeLessThanOrEqual(width);
-  expect(await seriousFindings(page)).toEqual([]);
+  expect(await axeFindings(page)).toEqual([]);
   expect(faults(errors)).toEqual([]);
 });
 

@@ -66,6 +66,29 @@ test("the Chinese terms are those of graphics textbooks, and no others are used 
   for (const other of ["间隙", "宽带", "加密一倍", "等步长", "跳变", "作图法", "偏差 {px}"]) expect(all).not.toContain(other);
 });
 
+test("on all pages one Chinese word is used for one thing: none of those that docs/studio.md advises against", () => {
+  const project = fileURLToPath(new URL("../../../", import.meta.url));
+  const docs = readFileSync(join(project, "docs/studio.md"), "utf8");
+  const rows = docs.slice(docs.indexOf("## Terms in 中文")).split("\n").filter((line) => line.startsWith("| "));
+  const columns = rows.map((line) => line.split("|").map((cell) => cell.trim()));
+  const wrong = columns.flatMap(([, , , not]) => (not === "not" || !not ? [] : not.split(", ")));
+  expect(wrong).toEqual(expect.arrayContaining(["内核", "网址", "您"]));
+  const studio = join(project, "studio");
+  const files = ["src", "public"].flatMap((folder) =>
+    readdirSync(join(studio, folder), { recursive: true, encoding: "utf8" }).map((name) => join(folder, name)));
+  const texts = [...files.filter((name) => /\.(tsx?|js)$/.test(name)), "index.html", "zh.html", "exhibit.html", "workbench.html"];
+  expect(texts.length).toBeGreaterThan(100);
+  const found = texts.flatMap((name) => {
+    const text = readFileSync(join(studio, name), "utf8");
+    return wrong.filter((word) => text.includes(word)).map((word) => `${name}: ${word}`);
+  });
+  expect(found).toEqual([]);
+  // And every word that is advised is used somewhere, or the table is about another text.
+  const all = texts.map((name) => readFileSync(join(studio, name), "utf8")).join("\n");
+  const advised = columns.flatMap(([, , chinese]) => (/\p{Script=Han}/u.test(chinese ?? "") ? chinese!.split(", ") : []));
+  expect(advised.filter((word) => word !== "中文" && !all.includes(word))).toEqual([]);
+});
+
 test("a text keeps a placeholder without a value, and inserts values unchanged", () => {
   expect(fill("{a} and {b}", { a: "{b}" })).toBe("{b} and {b}");
   expect(fill("{a}", { a: "$& <b>" })).toBe("$& <b>");

@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 /// The number of teeth of each comb. Chosen: dense enough to look like a curve.
 const TEETH: usize = 28;
 /// The picture of the stripes; its rows are multiples of four pixels.
-const PICTURE: Screen = Screen { width_px: 320, height_px: 104 };
-/// The tolerance of the surface. Chosen: a pixel is a thirtieth of a unit, so no stripe shows it.
+const PICTURE: Screen = Screen { width_px: 480, height_px: 156 };
+/// The tolerance of the surface. Chosen: a pixel is a fiftieth of a unit, so no stripe shows it.
 const TOLERANCE: f64 = 4e-3;
 /// The heights of the control points of the arch that the curves are swept along.
 const ARCH: [f64; 4] = [0.0, 1.5, 1.5, 0.0];
