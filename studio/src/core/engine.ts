@@ -1,5 +1,5 @@
-// The page's side of the worker. Only one call runs at a time, and for each kind only the newest question waits. If the
-// module traps or the worker does not answer, a new worker replaces it, and the newest questions are asked again.
+// The page's side of the worker. Only one call runs at a time, and for each kind only the newest question waits; a page with
+// several figures gives each its own key instead. If the module traps or the worker does not answer, a new worker replaces it, and the newest questions are asked again.
 import type { AnswerOf, Call, Kind, QuestionOf, Reply } from "./types";
 
 /** The part of `Worker` that the engine uses; tests pass their own. */
@@ -14,8 +14,9 @@ export interface WorkerLike {
 export type Trouble = { what: "rebuilt" } | { what: "lost" } | { what: "refused"; why: string };
 
 export interface Listener {
-  answered<K extends Kind>(kind: K, answer: AnswerOf<K>, question: QuestionOf<K>): void;
-  troubled(trouble: Trouble): void;
+  answered<K extends Kind>(kind: K, answer: AnswerOf<K>, question: QuestionOf<K>, key: string): void;
+  /** With the key of the question, if it is about one. */
+  troubled(trouble: Trouble, key?: string): void;
 }
 
 /** Urgent kinds first: the figure under the finger before the plot. */
@@ -27,8 +28,9 @@ const PATIENCE_MS = 15_000;
 
 export class Engine {
   private worker: WorkerLike;
-  private waitingQuestions = new Map<Kind, QuestionOf<Kind>>();
+  private waitingQuestions = new Map<string, { kind: Kind; question: QuestionOf<Kind> }>();
   private currentCall: Call | null = null;
+  private currentKey = "";
   private timer: ReturnType<typeof setTimeout> | undefined;
   private nextId = 1;
   private failures = 0;
@@ -41,11 +43,16 @@ export class Engine {
     this.worker = this.start();
   }
 
-  /** Asks a question, which replaces a waiting one of the same kind. */
-  ask<K extends Kind>(kind: K, question: QuestionOf<K>): void {
+  /** Asks a question, which replaces a waiting one with the same key. */
+  ask<K extends Kind>(kind: K, question: QuestionOf<K>, key: string = kind): void {
     if (this.isLost) return;
-    this.waitingQuestions.set(kind, question);
+    this.waitingQuestions.set(key, { kind, question });
     this.send();
+  }
+
+  /** Forgets a waiting question, whose figure is out of sight. Returns whether there was one. */
+  forget(key: string): boolean {
+    return this.waitingQuestions.delete(key);
   }
 
   /** Whether all questions are answered. */
@@ -62,11 +69,12 @@ export class Engine {
 
   private send(): void {
     if (this.currentCall) return;
-    const kind = ORDER.find((kind) => this.waitingQuestions.has(kind));
-    if (!kind) return;
-    const question = this.waitingQuestions.get(kind)!;
-    this.waitingQuestions.delete(kind);
-    this.currentCall = { id: this.nextId++, kind, question };
+    const waiting = [...this.waitingQuestions];
+    const [key, next] = ORDER.flatMap((kind) => waiting.find(([, question]) => question.kind === kind) ?? []) as Partial<(typeof waiting)[number]>;
+    if (key === undefined || !next) return;
+    this.waitingQuestions.delete(key);
+    this.currentKey = key;
+    this.currentCall = { id: this.nextId++, ...next };
     this.timer = setTimeout(() => this.fail(), PATIENCE_MS);
     this.worker.postMessage(this.currentCall);
   }
@@ -79,13 +87,14 @@ export class Engine {
     this.currentCall = null;
     clearTimeout(this.timer);
     this.failures = 0;
+    const key = this.currentKey;
     // Before the answer is shown, so that the worker computes while the page draws.
     this.send();
-    if ("answer" in reply) this.listener.answered(call.kind, reply.answer as never, call.question as never);
-    else this.listener.troubled({ what: "refused", why: reply.refused });
+    if ("answer" in reply) this.listener.answered(call.kind, reply.answer as never, call.question as never, key);
+    else this.listener.troubled({ what: "refused", why: reply.refused }, key);
   }
 
-  /** Replaces the worker. Its question is asked again, unless a newer one of the same kind waits. */
+  /** Replaces the worker. Its question is asked again, unless a newer one with the same key waits. */
   private fail(): void {
     clearTimeout(this.timer);
     // A message may be on its way already.
@@ -100,7 +109,7 @@ export class Engine {
       this.listener.troubled({ what: "lost" });
       return;
     }
-    if (call && !this.waitingQuestions.has(call.kind)) this.waitingQuestions.set(call.kind, call.question);
+    if (call && !this.waitingQuestions.has(this.currentKey)) this.waitingQuestions.set(this.currentKey, call);
     this.worker = this.start();
     this.listener.troubled({ what: "rebuilt" });
     this.send();

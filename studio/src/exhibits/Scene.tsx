@@ -5,6 +5,7 @@ import { useContext, useEffect, useRef, useState } from "preact/hooks";
 import type { Children } from "./exhibit";
 import { Grip } from "./Grip";
 import { takeShapes } from "./kept";
+import { Scope } from "../view/parts";
 import {
   type Camera,
   type Picture,
@@ -23,6 +24,12 @@ const STILL: Size = { width: 720, height: 480 };
 
 /** Whether scenes are drawn as thumbnails of the list. */
 export const Thumbnails = createContext(false);
+
+/**
+ * Whether the figure is in sight. A browser allows some eight to sixteen WebGL contexts, so in a page of many figures those out
+ * of sight give theirs back and leave a copy of their last picture.
+ */
+export const Awake = createContext(true);
 
 /** A number that is moved along a line in space. */
 export interface Pull {
@@ -62,6 +69,8 @@ interface SceneProps {
 
 export function Scene(props: SceneProps) {
   const { name, help, picture, view, isStill, pulls, over, shift } = props;
+  const scope = useContext(Scope);
+  const isAwake = useContext(Awake);
   const root = useRef<HTMLDivElement>(null);
   const stage = useRef<HTMLDivElement>(null);
   const viewer = useRef<Awaited<ReturnType<typeof createViewer>> | null>(null);
@@ -76,8 +85,7 @@ export function Scene(props: SceneProps) {
   latestSize.current = shownSize;
 
   useEffect(() => {
-    const [element, container] = [root.current!, stage.current!];
-    let isGone = false;
+    const element = root.current!;
     const measure = () => {
       const { clientWidth: width, clientHeight: height } = element;
       if (width && height) setSize((old) => (old.width === width && old.height === height ? old : { width, height }));
@@ -98,6 +106,17 @@ export function Scene(props: SceneProps) {
       },
       tap: (x, y) => latest.current.tap?.(projector(latest.current.view, latestSize.current), x, y),
     });
+    return () => {
+      sizeObserver.disconnect();
+      free();
+    };
+  }, []);
+
+  useEffect(() => {
+    if (!isAwake) return;
+    const [element, container] = [root.current!, stage.current!];
+    const copy = container.querySelector("canvas");
+    let isGone = false;
     createViewer(container).then(
       (created) => {
         if (isGone) return created.dispose();
@@ -105,6 +124,7 @@ export function Scene(props: SceneProps) {
         created.look(latest.current.view, latest.current.shift);
         created.draw(latest.current.picture);
         created.now();
+        copy?.remove();
         element.dataset["viewer"] = "webgl";
         setViewerState("live");
       },
@@ -115,12 +135,15 @@ export function Scene(props: SceneProps) {
     );
     return () => {
       isGone = true;
-      sizeObserver.disconnect();
-      free();
-      viewer.current?.dispose();
+      const { current } = viewer;
       viewer.current = null;
+      if (!current) return;
+      const last = copied(current.now());
+      current.dispose();
+      container.append(last);
+      element.dataset["viewer"] = "asleep";
     };
-  }, []);
+  }, [isAwake]);
 
   useEffect(() => {
     viewer.current?.look(view, shift);
@@ -153,7 +176,7 @@ export function Scene(props: SceneProps) {
   const scale = Math.min(size.width / STILL.width, size.height / STILL.height);
   const [left, top] = [0.5 * (size.width - scale * STILL.width), 0.5 * (size.height - scale * STILL.height)];
   return (
-    <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": help })} role="group" aria-label={name}>
+    <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": scope + help })} role="group" aria-label={name}>
       <div class="gl" ref={stage} />
       <svg data-figure viewBox={`0 0 ${size.width} ${size.height}`} aria-hidden={isStill ? "true" : undefined}>
         <g stroke-linecap="round" stroke-linejoin="round">
@@ -169,6 +192,14 @@ export function Scene(props: SceneProps) {
       </svg>
     </div>
   );
+}
+
+/** A copy of a picture that needs no WebGL. */
+function copied(canvas: HTMLCanvasElement): HTMLCanvasElement {
+  const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+  copy.getContext("2d")!.drawImage(canvas, 0, 0);
+  copy.setAttribute("aria-hidden", "true");
+  return copy;
 }
 
 /** Renders synchronously. */

@@ -1,12 +1,13 @@
 // Runs an exhibit's page: reads the address, asks the core, draws at most once a frame.
 import { render } from "preact";
-import { Engine, type Trouble } from "../core/engine";
+import type { Trouble } from "../core/engine";
 import type { AnyExhibit } from "./exhibit";
 import { Frame } from "./Frame";
 import { read, write } from "./fragment";
 import { FRAME } from "./frame_texts";
 import { EXHIBITS, type Entry } from "./index";
 import { keepShapes } from "./kept";
+import { type Change, Desk, Run } from "./run";
 import { type Language, Say } from "./say";
 
 /** The address is written after a pause: some browsers refuse more than a hundred changes in half a minute. */
@@ -26,35 +27,17 @@ if (entry) void entry.load().then((loaded) => live(entry, loaded.default));
 else html.dataset["ready"] = "1";
 
 function live(entry: Entry, exhibit: AnyExhibit): void {
-  let { state, isDamaged } = read(location.hash, exhibit.defaults as object, exhibit.parts);
+  const { state: first, isDamaged } = read(location.hash, exhibit.defaults as object, exhibit.parts);
   const words = FRAME[language];
   let notes: readonly string[] = isDamaged ? [words.damaged] : [];
-  let answer: unknown;
-  let lastQuestion = "";
   let frame = 0;
   let isDrawn = false;
   let writeTimer: ReturnType<typeof setTimeout> | undefined;
   let speakTimer: ReturnType<typeof setTimeout> | undefined;
   const spoken = Object.assign(document.createElement("p"), { className: "spoken" });
   spoken.setAttribute("role", "status");
-  const engine = new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), {
-    answered,
-    troubled,
-  });
-
-  function ask(): boolean {
-    const question = { exhibit: entry.id, ...exhibit.question(state) };
-    const text = JSON.stringify(question);
-    if (text === lastQuestion) return false;
-    lastQuestion = text;
-    engine.ask("exhibit", question);
-    return true;
-  }
-
-  function answered(_: string, newest: unknown): void {
-    answer = newest;
-    schedule();
-  }
+  const desk = new Desk();
+  const run = new Run(desk, entry.id, entry.id, exhibit, first, { changed: schedule, troubled });
 
   function troubled(trouble: Trouble): void {
     const note = trouble.what === "refused" ? words.refused(trouble.why) : words[trouble.what];
@@ -62,18 +45,16 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
     schedule();
   }
 
-  function set(change: object | ((state: object) => object)): void {
-    state = { ...state, ...(typeof change === "function" ? change(state) : change) };
+  function set(change: Change): void {
     delete html.dataset["settled"];
     clearTimeout(writeTimer);
     writeTimer = setTimeout(writeAddress, REST_MS);
-    ask();
-    schedule();
+    run.set(change);
   }
 
   function writeAddress(): void {
     writeTimer = undefined;
-    const fragment = write(state, exhibit.defaults as object, exhibit.parts);
+    const fragment = write(run.state, exhibit.defaults as object, exhibit.parts);
     history.replaceState(null, "", location.pathname + location.search + (fragment && `#${fragment}`));
     schedule();
   }
@@ -86,7 +67,7 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
   }
 
   function draw(): void {
-    if (answer === undefined) {
+    if (run.answer === undefined) {
       // Before the first answer the still page is shown, with the notes above it.
       const list = root.querySelector(".notes");
       list?.replaceChildren(
@@ -94,7 +75,7 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
       );
       return;
     }
-    const fragment = write(state, exhibit.defaults as object, exhibit.parts);
+    const fragment = write(run.state, exhibit.defaults as object, exhibit.parts);
     if (!isDrawn) {
       // The page was written for the initial state.
       if (!fragment) keepShapes(root);
@@ -104,8 +85,8 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
       <Frame
         entry={entry}
         exhibit={exhibit}
-        state={state}
-        answer={answer}
+        state={run.state}
+        answer={run.answer}
         language={language}
         fragment={fragment}
         isStill={false}
@@ -121,12 +102,13 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
       html.dataset["ready"] = "1";
     }
     // For programs that drive the page: the page and its address show the answer to the newest question.
-    if (engine.isIdle && !writeTimer) html.dataset["settled"] = "1";
+    if (desk.engine.isIdle && !writeTimer) html.dataset["settled"] = "1";
     clearTimeout(speakTimer);
     speakTimer = setTimeout(speak, SPEAK_MS);
   }
 
   function speak(): void {
+    const { state, answer } = run;
     const page = { state, answer, say: new Say(language), texts: exhibit.texts[language], set, isStill: false, isSmall: false };
     const { label, shown, meaning } = exhibit.number(page);
     const text = `${label}: ${shown}. ${meaning}`;
@@ -134,12 +116,13 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
   }
 
   addEventListener("hashchange", () => {
-    ({ state, isDamaged } = read(location.hash, exhibit.defaults as object, exhibit.parts));
+    const { state, isDamaged } = read(location.hash, exhibit.defaults as object, exhibit.parts);
+    run.state = state;
     notes = notes.filter((note) => note !== words.damaged);
     if (isDamaged) notes = [...notes, words.damaged];
     delete html.dataset["settled"];
-    ask();
+    run.ask();
     schedule();
   });
-  ask();
+  run.ask();
 }

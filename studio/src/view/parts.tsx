@@ -1,5 +1,9 @@
 // Small parts that several views use: a number with its full digits, a choice between a few values, a slider.
-import type { ComponentChildren } from "preact";
+import { type ComponentChildren, createContext } from "preact";
+import { useContext } from "preact/hooks";
+
+/** Put before ids and names of controls, so that several figures can be in one page. */
+export const Scope = createContext("");
 
 /** A formatted number, with all its digits in `value` for programs. */
 export function Figure({ name, value, children }: { name: string; value: number | null; children: ComponentChildren }) {
@@ -21,13 +25,14 @@ interface ChoiceProps<V extends string | number> {
 
 /** A choice of one among a few. Radio buttons, because keyboards and assistive technology support them. */
 export function Choice<V extends string | number>({ name, legend, value, options, choose, class: kind }: ChoiceProps<V>) {
+  const scope = useContext(Scope);
   return (
     <fieldset class={`choice ${kind ?? ""}`}>
       <legend>{legend}</legend>
       <div class="options">
         {options.map((option) => (
           <label key={option.value}>
-            <input type="radio" name={name} value={option.value} checked={option.value === value} onChange={() => choose(option.value)} />
+            <input type="radio" name={scope + name} value={option.value} checked={option.value === value} onChange={() => choose(option.value)} />
             <span>
               {option.label}
               {option.extra}
@@ -51,7 +56,8 @@ interface SliderProps {
   choose(value: number): void;
 }
 
-export function Slider({ id, label, shown, spoken, low, high, step, value, choose }: SliderProps) {
+export function Slider({ id: ownId, label, shown, spoken, low, high, step, value, choose }: SliderProps) {
+  const id = useContext(Scope) + ownId;
   return (
     <div class="slider">
       <label for={id}>{label}</label>
