@@ -40,8 +40,8 @@ export default defineConfig({
     reportCompressedSize: false,
     // three.js is 570 kB in one piece, and only figures in space load it.
     chunkSizeWarningLimit: 700,
-    // exhibit.html and workbench.html are moulds: scripts/build.mjs writes a page for each exhibit and language from them.
-    rollupOptions: { input: ["index.html", "zh.html", "exhibit.html", "workbench.html"] },
+    // exhibit.html, lesson.html and workbench.html are moulds: scripts/build.mjs writes a page for each exhibit and language.
+    rollupOptions: { input: ["index.html", "zh.html", "exhibit.html", "lesson.html", "workbench.html"] },
   },
   worker: { format: "es" },
   test: {

@@ -28,6 +28,7 @@ const cache = join(root, "node_modules/.prerender");
 const { Core, still } = await prerender("src/prerender.tsx", "widget");
 const { onwardFromWidget, written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
 
+const { lessons } = await prerender("src/lesson/prerender.tsx", "lesson");
 const { workbenches, run } = await prerender("src/workbench/prerender.tsx", "workbench");
 
 /** Replaces a text that must occur exactly once. */
@@ -70,24 +71,29 @@ for (const [file, language] of Object.entries(widgets)) {
 
 const template = await readFile(join(out, "exhibit.html"), "utf8");
 const escaped = (text) => text.replace(/&/g, "&amp;").replace(/"/g, "&quot;").replace(/</g, "&lt;");
-const exhibits = await written(await Core.load(await readFile(join(root, "wasm/exhibits.wasm"))));
-for (const { file, id, lang, title, description, body } of exhibits) {
-  let html = replaceOnce(template, '<html lang="en" data-exhibit="">', `<html lang="${lang}" data-exhibit="${id}">`, "the language");
+/** A template filled with a page that was written, which loads these modules. */
+async function filled(template, { file, lang, title, description, body }, modules) {
+  let html = replaceOnce(template, '<html lang="en"', `<html lang="${lang}"`, "the language");
   html = replaceOnce(html, "<title>Chordal</title>", `<title>${escaped(title)}</title>`, "the title");
   html = replaceOnce(html, 'name="description" content=""', `name="description" content="${escaped(description)}"`, "the description");
   html = withAlternates(replaceOnce(html, PLACEHOLDER, body, "the text"), inBothLanguages(file));
-  html = await withModules(html, modulesOf(id));
+  return withModules(html, modules);
+}
+const exhibitsCore = await Core.load(await readFile(join(root, "wasm/exhibits.wasm")));
+const exhibits = await written(exhibitsCore);
+for (const page of exhibits) {
+  const { file, id } = page;
+  const html = await filled(replaceOnce(template, 'data-exhibit=""', `data-exhibit="${id}"`, "the exhibit"), page, modulesOf(id));
   // The list of exhibits has nothing interactive.
   await writeFile(join(out, file), id ? html : html.replace(SCRIPT, ""));
 }
 const workbenchTemplate = await readFile(join(out, "workbench.html"), "utf8");
-for (const { file, lang, title, description, body } of workbenches()) {
-  let html = replaceOnce(workbenchTemplate, '<html lang="en">', `<html lang="${lang}">`, "the language");
-  html = replaceOnce(html, "<title>Chordal</title>", `<title>${escaped(title)}</title>`, "the title");
-  html = replaceOnce(html, 'name="description" content=""', `name="description" content="${escaped(description)}"`, "the description");
-  html = withAlternates(replaceOnce(html, PLACEHOLDER, body, "the text"), inBothLanguages(file));
-  await writeFile(join(out, file), await withModules(html, ["command.wasm"]));
-}
+for (const page of workbenches()) await writeFile(join(out, page.file), await filled(workbenchTemplate, page, ["command.wasm"]));
+const lessonTemplate = await readFile(join(out, "lesson.html"), "utf8");
+const { pages, teapot } = await lessons(exhibitsCore);
+const lessonModules = Object.keys(exhibitsOf).map((name) => `exhibits/${name}.wasm`);
+for (const page of pages) await writeFile(join(out, page.file), await filled(lessonTemplate, page, lessonModules));
+await writeFile(join(out, "lesson-teapot.bin"), teapot);
 // The script that switches languages needs the ids of all exhibits.
 const ids = [...new Set(exhibits.map(({ id }) => id).filter(Boolean))];
 const language = join(out, "language.js");

@@ -38,7 +38,7 @@ interface Answer {
 }
 
 /** Distances in metres, four per decade: from 0.6 m to 19 km. */
-const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
+export const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
 const HOME: View = { azimuth: -86, elevation: 22, distance: 7.3, target: [0, 0, -0.1] };
 const defaults: State = { stop: 2, look: "none", side: "coarse", view: HOME };
 
@@ -127,7 +127,7 @@ const texts: Record<Language, Texts> = {
 type Page = PageOf<State, Answer, Texts>;
 
 /** A length with a suitable metric unit. */
-function metres(say: Say, length: number): string {
+export function metres(say: Say, length: number): string {
   const [factor, unit] =
     length < 0.01 ? [1000, "mm"] : length < 1 ? [100, "cm"] : length < 1000 ? [1, "m"] : [0.001, "km"];
   return `${say.number(factor * length)} ${unit}`;

@@ -102,7 +102,7 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
       html.dataset["ready"] = "1";
     }
     // For programs that drive the page: the page and its address show the answer to the newest question.
-    if (desk.engine.isIdle && !writeTimer) html.dataset["settled"] = "1";
+    if (desk.isIdle && !writeTimer) html.dataset["settled"] = "1";
     clearTimeout(speakTimer);
     speakTimer = setTimeout(speak, SPEAK_MS);
   }

@@ -31,7 +31,7 @@ interface Answer {
 }
 
 /** Sides of the triangles in pixels, from large to small. */
-const STOPS = Array.from({ length: 27 }, (_, i) => Number((16 * 0.86 ** i).toPrecision(2)));
+export const STOPS = Array.from({ length: 27 }, (_, i) => Number((16 * 0.86 ** i).toPrecision(2)));
 const defaults: State = { stop: 9, side: "coarse" };
 
 interface Texts extends CommonTexts {

@@ -14,13 +14,29 @@ interface Listener {
 /** The worker of a page, and its figures by their keys. */
 export class Desk {
   private readonly runs = new Map<string, Run>();
-  readonly engine = new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), {
+  private started: Engine | undefined;
+
+  /** Started with the first question, so that a page whose figures are not seen loads no core. */
+  get engine(): Engine {
+    return (this.started ??= this.start());
+  }
+
+  /** Whether all questions are answered. */
+  get isIdle(): boolean {
+    return this.started?.isIdle ?? true;
+  }
+
+  private start = () => new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), {
     answered: (_, answer, __, key) => this.runs.get(key)?.answered(answer),
     troubled: (trouble, key) => {
       const concerned = key === undefined ? [...this.runs.values()] : [this.runs.get(key)];
       for (const run of concerned) run?.listener.troubled(trouble);
     },
   });
+
+  forget(key: string): boolean {
+    return this.started?.forget(key) ?? false;
+  }
 
   add(key: string, run: Run): void {
     this.runs.set(key, run);
@@ -54,7 +70,7 @@ export class Run {
 
   /** Takes a waiting question back; the next `ask` asks it again. */
   forget(): void {
-    if (this.desk.engine.forget(this.key)) this.lastQuestion = "";
+    if (this.desk.forget(this.key)) this.lastQuestion = "";
   }
 
   set(change: Change): void {

@@ -17,7 +17,7 @@ const GOAL: Goal = Goal { relative: 0.02, absolute: None, max: None }; // chosen
 /// Answers `{"shape": "cylinder", "cells": 16}`: the mesh, the mesh of its grid, and how far they are apart.
 pub(super) fn baking(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     request.only(&["shape", "cells"])?;
-    let name = request.word("shape", &["cylinder", "cube"])?;
+    let name = request.word("shape", &["teapot", "cylinder", "cube"])?;
     let cells = request.number("cells", CELLS)?.round() as usize;
     let mesh = tilted(&shapes::by_name(name)?)?;
     let job = Job::default();

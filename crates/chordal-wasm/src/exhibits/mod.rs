@@ -22,6 +22,7 @@ mod quad;
 mod questions;
 mod request;
 mod runge;
+mod segments;
 mod shapes;
 mod squares;
 mod tracing;
@@ -78,6 +79,7 @@ exhibits! {
     "field" => field::field(&request),
     "csg" => csg::csg(&request),
     "tracing" => tracing::tracing(&request),
+    "segments" => segments::segments(&request),
     "squares" => squares::squares(&request),
     "baking" => baking::baking(&request),
     "levels" => levels::levels(&request),
@@ -125,6 +127,7 @@ mod tests {
             (r#"{"exhibit": "field", "point": [1, 1], "length": 0}"#, "length"),
             (r#"{"exhibit": "csg", "operation": "xor", "point": [1, 1]}"#, "operation"),
             (r#"{"exhibit": "tracing", "aim": [0.9, 4.2]}"#, "eye"),
+            (r#"{"exhibit": "segments", "control": [[0, 0]], "count": 3, "length": 0.1}"#, "control"),
             (r#"{"exhibit": "squares", "look": "lattice", "cells": 400, "method": "squares"}"#, "cells"),
             (r#"{"exhibit": "squares", "look": "cube", "signs": 256}"#, "signs"),
             (r#"{"exhibit": "squares", "look": "cone"}"#, "look"),

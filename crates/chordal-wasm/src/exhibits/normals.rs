@@ -12,7 +12,7 @@ const VERTEX_BYTES: usize = 24; // defined: 3 × 4 bytes each
 /// edges sharper than the angle.
 pub(super) fn normals(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     request.only(&["shape", "crease_deg"])?;
-    let mesh = shapes::by_name(request.word("shape", &["cube", "cylinder", "ball"])?)?;
+    let mesh = shapes::by_name(request.word("shape", &["teapot", "cube", "cylinder", "ball"])?)?;
     let angle_rad = request.number("crease_deg", [0.0, 180.0])?.to_radians();
     let shading = Shading::Crease { angle_rad, weight: NormalWeight::Angle };
     let creased = with_normals(&mesh, Topology::Indices, shading).map_err(|error| error.to_string())?;

@@ -1,5 +1,6 @@
 //! The models that exhibits show.
-use chordal::{Mesh, Patch};
+use chordal::convert::patches_to_mesh;
+use chordal::{Budget, Job, Mesh, Patch, Tolerance};
 use std::collections::BTreeMap;
 
 /// The teapot of the examples: 32 bicubic patches.
@@ -13,6 +14,7 @@ pub(super) fn by_name(name: &str) -> Result<Mesh, String> {
         "cube" => cube(),
         "cylinder" => cylinder(),
         "ball" => ball(2),
+        "teapot" => teapot_mesh(),
         _ => Err(format!("there is no model '{name}'")),
     }
 }
@@ -27,6 +29,17 @@ pub(super) fn teapot() -> Vec<Patch> {
         }),
     };
     numbers[1..].chunks_exact(50).map(patch).collect()
+}
+
+/// The teapot as some 500 triangles, 2 wide and centred.
+fn teapot_mesh() -> Result<Mesh, String> {
+    const LENGTH: f64 = 0.06; // chosen: single triangles can be seen, and the shape is still a teapot
+    const SCALE: f64 = 1.0 / 3.2; // the teapot is 6.4 units wide
+    let length = Tolerance::new(LENGTH).map_err(|error| error.to_string())?;
+    let meshed = patches_to_mesh(&teapot(), &Budget::length(length), &Job::default());
+    let mesh = meshed.map_err(|failure| failure.to_string())?.shape;
+    let place = |[x, y, z]: &[f64; 3]| [SCALE * x, SCALE * y, SCALE * (z - 1.5)];
+    mesh_from(mesh.positions().iter().map(place).collect(), mesh.faces().to_vec())
 }
 
 /// The cube of edge 2 about the origin.

@@ -1,0 +1,73 @@
+// The numbers in the lesson's text: computed by the core when the page is built, for the states that its figures open with.
+import { loaded } from "./figures";
+import { BLOCKS } from "./outline";
+import { levelsOf, type TeapotLevel } from "./teapot_levels";
+
+export interface Facts {
+  hero: readonly TeapotLevel[];
+  indexed: { triangles: number; vertices: number; triangles_per_vertex: number; bytes: number; unindexed_bytes: number; times: number };
+  /** Vertices of a cube with hard edges, and with none. */
+  cube: { hard: number; soft: number };
+  culling: { back_share: number; triangles: number };
+  bulge: number;
+  runge: { polynomial: number; spline: number };
+  segments: { evenly: number; fewest: number; gaps: ReadonlyMap<number, number> };
+  cage: { faces: number; errors: readonly number[] };
+  field: { edges: number };
+  tracing: { steps: number; most: number };
+  csg: { share: number };
+  baking: { triangles: number; samples: number; back: number; measured: number };
+  budget: { slope: number };
+  overshade: { above: number; below: number };
+  levels: { near: Both; far: Both; distances: readonly [number, number] };
+}
+
+interface Both {
+  teapot: number;
+  mountain: number;
+}
+
+// Each exhibit defines its answer.
+type Answer = any;
+export type Ask = (question: { exhibit: string } & Record<string, unknown>) => Answer;
+
+/** The answer to a figure in a state. */
+export async function answerOf(ask: Ask, figure: string, state: object = {}): Promise<Answer> {
+  const exhibit = await loaded(figure);
+  return ask({ exhibit: figure, ...exhibit.question({ ...(exhibit.defaults as object), ...state }) });
+}
+
+/** The answer to a figure as the lesson opens it. */
+const opened = (ask: Ask, figure: string) => answerOf(ask, figure, BLOCKS.find((block) => block.figure === figure)?.state);
+
+export async function factsOf(ask: Ask): Promise<Facts> {
+  const [indexed, quad, culling, runge, segments, cage, field, tracing, csg, baking, budget] = await Promise.all(
+    ["indexed", "quad", "culling", "runge", "segments", "cage", "field", "tracing", "csg", "baking", "budget"].map((id) => opened(ask, id)),
+  );
+  const cube = async (crease: number) => (await answerOf(ask, "normals", { shape: "cube", crease })).vertices as number;
+  const gap = async (count: number) => [count, 60 * (await answerOf(ask, "segments", { count })).gap] as const;
+  const shaded = async (stop: number) => (await answerOf(ask, "overshade", { stop })).ratio as number;
+  const triangles = async (stop: number): Promise<Both> => {
+    const { teapot, mountain } = await answerOf(ask, "levels", { stop });
+    return { teapot: teapot.triangles, mountain: mountain.triangles };
+  };
+  const fan = tracing.fan.map(([, steps]: [number, number]) => steps);
+  return {
+    hero: levelsOf(ask),
+    indexed,
+    cube: { hard: await cube(60), soft: await cube(180) },
+    culling,
+    bulge: Math.abs(quad.bulge),
+    runge: { polynomial: runge.moves.polynomial.by, spline: runge.moves.spline.by },
+    segments: { ...segments, gaps: new Map(await Promise.all([8, 16, 32].map(gap))) },
+    cage,
+    field: { edges: field.mesh.edges },
+    tracing: { steps: tracing.steps.length, most: Math.max(...fan) },
+    csg: { share: csg.share ?? 0 },
+    baking: { triangles: baking.triangles[0], samples: baking.samples, back: baking.triangles[1], measured: baking.measured },
+    budget,
+    overshade: { above: await shaded(0), below: await shaded(26) },
+    levels: { near: await triangles(0), far: await triangles(4), distances: [0.6, 6] },
+  };
+}
+

@@ -1,0 +1,6 @@
+// The lesson's texts, by language.
+import type { Language } from "../exhibits/say";
+import { EN } from "./en";
+import type { LessonText } from "./lesson";
+
+export const LESSONS: Partial<Record<Language, LessonText>> = { en: EN };

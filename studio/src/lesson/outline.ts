@@ -1,0 +1,184 @@
+// The lesson's structure, which both languages share: sections, the blocks in them, their figures with a first state, guesses,
+// code, terms and questions. The texts of a language are in en.tsx and zh.tsx; a test holds that they fill every place.
+import { EXHIBITS } from "../exhibits/index";
+import type { Facts } from "./facts";
+
+/** A prediction before the reveal. */
+export type GuessPlan =
+  | { kind: "number"; answer(facts: Facts): number }
+  /** Two to four options, of which one is right. */
+  | { kind: "choice"; options: readonly string[]; right: string };
+
+export interface BlockPlan {
+  id: string;
+  /** An exhibit's id, or that of a figure of the lesson. One that does not exist yet is not placed, and the text stands alone. */
+  figure?: string;
+  /** What differs from the exhibit's own initial state. */
+  state?: Record<string, unknown>;
+  /** Asked before the figure, whose number is covered until then. */
+  guess?: GuessPlan;
+  /** A file's name in code/, without its ending. */
+  code?: string;
+  /** The table of the two answers stands here. */
+  table?: true;
+}
+
+export interface SectionPlan {
+  id: string;
+  blocks: readonly BlockPlan[];
+}
+
+/** Figures that have no page of their own; see figures.ts. */
+export const OWN_FIGURES = ["segments"] as const;
+
+export const SECTIONS = [
+  {
+    id: "question",
+    blocks: [{ id: "two" }],
+  },
+  {
+    id: "atom",
+    blocks: [
+      { id: "plane", figure: "quad", guess: { kind: "choice", options: ["up", "down", "both"], right: "both" } },
+      { id: "inside", figure: "inside", code: "inside" },
+      { id: "pixels", figure: "pixels" },
+      { id: "weights", figure: "weights", code: "blend" },
+      { id: "tangent", figure: "tangent" },
+      { id: "fan", figure: "fan" },
+    ],
+  },
+  {
+    id: "mesh",
+    blocks: [
+      {
+        id: "indexed",
+        figure: "indexed",
+        state: { stop: 9 },
+        guess: { kind: "number", answer: (facts) => facts.indexed.triangles_per_vertex },
+        code: "buffers",
+      },
+      { id: "cross", figure: "cross", code: "normal" },
+      {
+        id: "normals",
+        figure: "normals",
+        state: { shape: "teapot", crease: 0, arrows: false },
+        guess: { kind: "choice", options: ["8", "24", "36"], right: "24" },
+      },
+      { id: "winding", figure: "culling" },
+      { id: "manifold", figure: "doctor", code: "check" },
+    ],
+  },
+  {
+    id: "smooth",
+    blocks: [
+      { id: "bernstein", figure: "bernstein", code: "casteljau" },
+      { id: "runge", figure: "runge", guess: { kind: "choice", options: ["near", "half", "everywhere"], right: "everywhere" } },
+      { id: "spline", figure: "spline" },
+      { id: "joins", figure: "joins" },
+      { id: "ride", figure: "ride" },
+      { id: "patch", figure: "patch" },
+      { id: "cage", figure: "cage" },
+      {
+        id: "segments",
+        figure: "segments",
+        guess: { kind: "number", answer: (facts) => facts.segments.evenly },
+        code: "segments",
+      },
+      { id: "cracks", figure: "cracks" },
+    ],
+  },
+  {
+    id: "field",
+    blocks: [
+      { id: "field", figure: "field", code: "field" },
+      { id: "tracing", figure: "tracing", guess: { kind: "number", answer: (facts) => facts.tracing.steps }, code: "trace" },
+      { id: "csg", figure: "csg", state: { operation: "difference" }, code: "csg" },
+      { id: "boolean", figure: "boolean" },
+      { id: "squares", figure: "squares" },
+      { id: "isosurface", figure: "isosurface" },
+      { id: "network", figure: "network" },
+      { id: "baking", figure: "baking", state: { shape: "teapot" } },
+      { id: "table", table: true },
+    ],
+  },
+  {
+    id: "cost",
+    blocks: [
+      { id: "budget", figure: "budget", code: "budget" },
+      { id: "overshade", figure: "overshade", guess: { kind: "number", answer: (facts) => facts.overshade.below } },
+      { id: "shimmer", figure: "shimmer" },
+      {
+        id: "levels",
+        figure: "levels",
+        state: { stop: 6 },
+        guess: { kind: "choice", options: ["teapot", "same", "mountain"], right: "teapot" },
+        code: "levels",
+      },
+      { id: "adaptive", figure: "adaptive" },
+      { id: "scale", figure: "scale" },
+    ],
+  },
+] as const satisfies readonly SectionPlan[];
+
+type Section = (typeof SECTIONS)[number];
+export type SectionId = Section["id"];
+export type Block = Section["blocks"][number];
+export type BlockId = Block["id"];
+export type GuessId = Extract<Block, { guess: unknown }>["id"];
+
+/** The blocks of a section, with their optional parts. */
+export const blocksOf = (section: Section): readonly BlockPlan[] => section.blocks;
+export const BLOCKS: readonly BlockPlan[] = SECTIONS.flatMap((section) => blocksOf(section));
+
+/** Whether there is such a figure. */
+export const isPlaced = (figure: string | undefined): figure is string =>
+  figure !== undefined && (EXHIBITS.some(({ id }) => id === figure) || (OWN_FIGURES as readonly string[]).includes(figure));
+
+/** The words of the field, in the order of their first use. */
+export const TERMS = [
+  "explicit",
+  "implicit",
+  "planar",
+  "convex",
+  "edge-function",
+  "rasterization",
+  "barycentric",
+  "uv",
+  "triangulation",
+  "vertex-buffer",
+  "index-buffer",
+  "normal",
+  "shading",
+  "winding",
+  "culling",
+  "manifold",
+  "t-junction",
+  "control-point",
+  "bernstein",
+  "convex-hull",
+  "de-casteljau",
+  "runge",
+  "spline",
+  "continuity",
+  "tensor-product",
+  "subdivision",
+  "tessellation",
+  "chord",
+  "signed-distance",
+  "gradient",
+  "sphere-tracing",
+  "csg",
+  "marching-cubes",
+  "occupancy",
+  "baking",
+  "overshading",
+  "aliasing",
+  "lod",
+  "screen-space",
+  "silhouette",
+] as const;
+export type TermId = (typeof TERMS)[number];
+
+/** The six questions at the end. */
+export const QUESTIONS = ["triangles", "normals", "winding", "joins", "fields", "cost"] as const;
+export type QuestionId = (typeof QUESTIONS)[number];

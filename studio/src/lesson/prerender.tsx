@@ -1,0 +1,41 @@
+// Writes the lesson's pages as text with still figures at build time, for readers without script and until it runs.
+import { renderToString } from "preact-render-to-string";
+import type { Core } from "../core/module";
+import type { Written } from "../exhibits/prerender";
+import { fileOf } from "../exhibits/index";
+import { type Language, TAGS } from "../exhibits/say";
+import { answerOf, type Ask, factsOf } from "./facts";
+import { loaded } from "./figures";
+import { LessonPage, type Still } from "./LessonPage";
+import { LESSONS } from "./languages";
+import { BLOCKS, isPlaced } from "./outline";
+import { packed } from "./teapot_levels";
+
+const files: Record<string, string> = import.meta.glob("./code/*", { query: "?raw", import: "default", eager: true });
+const code = new Map(Object.entries(files).map(([path, text]) => [path.replace("./code/", ""), text]));
+
+/** The lesson in every language in which it is written, and the file of its first picture. */
+export async function lessons(core: Core): Promise<{ pages: Written[]; teapot: Uint8Array }> {
+  const ask: Ask = (question) => core.ask("exhibit", question);
+  const facts = await factsOf(ask);
+  const stills = new Map<string, Still>();
+  for (const { figure, state } of BLOCKS) {
+    if (!isPlaced(figure)) continue;
+    const exhibit = await loaded(figure);
+    stills.set(figure, { exhibit, state: { ...(exhibit.defaults as object), ...state }, answer: await answerOf(ask, figure, state) });
+  }
+  const pages = Object.entries(LESSONS).map(([name, text]) => {
+    const language = name as Language;
+    return {
+      file: fileOf("lesson", language),
+      id: "lesson",
+      lang: TAGS[language],
+      title: text.title,
+      description: text.description,
+      body: renderToString(<LessonPage language={language} text={text} facts={facts} stills={stills} code={code} />),
+    };
+  });
+  return { pages, teapot: packed(facts.hero) };
+}
+
+export { Core } from "../core/module";

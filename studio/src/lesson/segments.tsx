@@ -1,0 +1,166 @@
+// A curve as straight segments: how far off they are, and what twice as many leave of it. The lesson's short form of the widget.
+import { Figure as Data, Slider } from "../view/parts";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "../exhibits/exhibit";
+import { cubic, Dot, Flat, FLAT, path, type Point, toSvg } from "../exhibits/Flat";
+import { number } from "../exhibits/fragment";
+import { px } from "../exhibits/Grip";
+import type { Language } from "../exhibits/say";
+
+type Four = readonly [Point, Point, Point, Point];
+
+interface State {
+  count: number;
+  control: Four;
+}
+
+interface Answer {
+  points: Point[];
+  gap: number;
+  on_curve: Point;
+  on_chain: Point;
+  next_gap: number;
+  times: number | null;
+  bound: number;
+  evenly: number;
+  fewest: number;
+}
+
+/** Pixels of a unit in a figure of full width. */
+const UNIT = 720 / FLAT.width;
+/** Half a pixel: a change that an eye close to the screen no longer sees. */
+const ALLOWED = 0.5 / UNIT;
+const COUNTS = [1, 64] as const;
+const defaults: State = { count: 6, control: [[1.5, 1.6], [2.2, 7.6], [8.2, 7.4], [10.6, 1.8]] };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  handle: string;
+  segments(n: string): string;
+  point(i: number): string;
+  at(x: string, y: string): string;
+  label: string;
+  meaning(twice: string, times: string): string;
+  allowed: string;
+  evenly: string;
+  fewest: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: "Drag the four points, or choose them with Tab and move them with the arrow keys.",
+    figure: "A curve with its four control points, and straight segments along it",
+    handle: "Segments",
+    segments: (n) => `${n} segments`,
+    point: (i) => `Control point ${i}`,
+    at: (x, y) => `${x}, ${y}`,
+    label: "Largest gap, in pixels",
+    meaning: (twice, times) => `Twice as many leave ${twice} px: ${times} times less.`,
+    allowed: "For half a pixel",
+    evenly: "in equal steps",
+    fewest: "longer where it is straighter",
+    story: [],
+    attempts: [],
+  },
+  zh: {
+    hint: "拖动四个控制点；或用 Tab 键选中，再用方向键移动。",
+    figure: "一条曲线、它的四个控制点，以及沿曲线的折线",
+    handle: "线段数",
+    segments: (n) => `${n} 条线段`,
+    point: (i) => `控制点 ${i}`,
+    at: (x, y) => `${x}，${y}`,
+    label: "最大弦高误差（像素）",
+    meaning: (twice, times) => `线段数加倍，只剩 ${twice} 像素：缩小到 ${times} 分之一。`,
+    allowed: "要达到半个像素",
+    evenly: "参数等分",
+    fewest: "平直处放长",
+    story: [],
+    attempts: [],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+
+function Figure({ page }: { page: Page }) {
+  const { state, answer, texts, say, set, isStill } = page;
+  const [x, y] = toSvg(answer.on_curve);
+  return (
+    <Flat name={texts.figure}>
+      <path class="leg" d={path(state.control, false)} />
+      <path class="true-curve" d={cubic(state.control)} />
+      <path class="segments-of" d={path(answer.points, false)} />
+      {answer.points.length <= 40 &&
+        answer.points.map((point, i) => {
+          const [cx, cy] = toSvg(point);
+          return <circle key={i} class="joint-of" cx={px(cx)} cy={px(cy)} r={3} />;
+        })}
+      <path class="gap-of" d={path([answer.on_curve, answer.on_chain], false)} />
+      <circle class="gap-at" cx={px(x)} cy={px(y)} r={11} />
+      {state.control.map((place, i) => (
+        <Dot
+          key={i}
+          name={texts.point(i)}
+          spoken={texts.at(say.number(place[0]), say.number(place[1]))}
+          place={place}
+          isStill={isStill}
+          move={(change) =>
+            set(({ control }) => ({ control: control.map((point, k) => (k === i ? change(point) : point)) as unknown as Four }))
+          }
+        />
+      ))}
+    </Flat>
+  );
+}
+
+function liveNumber({ answer, say, texts }: Page): LiveNumber {
+  const pixels = answer.gap * UNIT;
+  return {
+    value: pixels,
+    shown: `${say.number(pixels)} px`,
+    label: texts.label,
+    meaning: texts.meaning(say.number(answer.next_gap * UNIT), answer.times === null ? "–" : say.fixed(answer.times, 1)),
+    tone: answer.gap <= ALLOWED ? "good" : "bad",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  return (
+    <>
+      <Slider
+        id="count"
+        label={texts.handle}
+        shown={String(state.count)}
+        spoken={texts.segments(String(state.count))}
+        low={COUNTS[0]}
+        high={COUNTS[1]}
+        step={1}
+        value={state.count}
+        choose={(count) => set({ count })}
+      />
+      <dl>
+        {(["evenly", "fewest"] as const).map((how) => (
+          <div key={how}>
+            <dt>
+              {texts.allowed}, {texts[how]}
+            </dt>
+            <dd>
+              <Data name={how} value={answer[how]}>
+                {say.whole(answer[how])}
+              </Data>
+            </dd>
+          </div>
+        ))}
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { count: ["n", number(...COUNTS)] },
+  question: ({ count, control }) => ({ control, count, length: ALLOWED }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});
