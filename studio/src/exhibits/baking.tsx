@@ -7,8 +7,10 @@ import { FRAME } from "./frame_texts";
 import { Scene } from "./Scene";
 import type { Language } from "./say";
 
+const SHAPES = ["cylinder", "cube", "teapot"] as const;
+
 interface State {
-  shape: "cylinder" | "cube";
+  shape: (typeof SHAPES)[number];
   cells: number;
   view: View;
 }
@@ -62,7 +64,7 @@ const texts: Record<Language, Texts> = {
     cells: "Cells along the longest side",
     across: (n) => `${n} cells`,
     shape: "Shape",
-    shapes: { cylinder: "a cylinder", cube: "a cube" },
+    shapes: { cylinder: "a cylinder", cube: "a cube", teapot: "a teapot" },
     label: "Proved bound, there and back",
     unproved: "With cells this large nothing can be proved.",
     meaning: (measured, share) =>
@@ -90,7 +92,7 @@ const texts: Record<Language, Texts> = {
     cells: "最长边方向的单元数",
     across: (n) => `${n} 个单元`,
     shape: "形状",
-    shapes: { cylinder: "圆柱", cube: "立方体" },
+    shapes: { cylinder: "圆柱", cube: "立方体", teapot: "茶壶" },
     label: "往返误差已证明的上界",
     unproved: "单元这么大，什么都证明不了。",
     meaning: (measured, share) => `没有任何一点偏离超过它。最坏处在红点，偏离 ${measured}，为上界的 ${share}。`,
@@ -118,7 +120,7 @@ type Page = PageOf<State, Answer, Texts>;
 /** `measured` minus the error of each vertex, because the ramp runs from dark to light and no error should be light. */
 let inverted: { of: Float32Array; values: Float32Array } | undefined;
 
-function pictureOf({ answer }: Page): Picture {
+function pictureOf({ answer, isStill }: Page): Picture {
   const { mesh, back, off, measured, worst } = answer;
   if (inverted?.of !== off) inverted = { of: off, values: off.map((x) => measured - x) };
   return {
@@ -130,7 +132,7 @@ function pictureOf({ answer }: Page): Picture {
         values: { of: inverted.values, range: [0, measured], ramp: "heat" },
         paint: "#7ea6d8",
         shading: "flat",
-        sides: "both",
+        sides: isStill ? "front" : "both",
       },
       { kind: "wire", id: "before", ...mesh, paint: "#4a7fc1", width: 1.6 },
       { kind: "lines", id: "off", positions: new Float32Array(worst.flat()), paint: "--gap", width: 3, isMark: true },
@@ -196,7 +198,7 @@ function Panel({ page }: { page: Page }) {
         name="shape"
         legend={texts.shape}
         value={state.shape}
-        options={(["cylinder", "cube"] as const).map((value) => ({ value, label: texts.shapes[value] }))}
+        options={SHAPES.map((value) => ({ value, label: texts.shapes[value] }))}
         choose={(shape) => set({ shape })}
       />
       <button type="button" onClick={() => set(({ view }) => ({ view: facing(answer.worst[0], view, HOME.target) }))}>
@@ -238,7 +240,7 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { shape: ["s", word("cylinder", "cube")], cells: ["n", number(FEWEST, MOST)], view: ["o", view] },
+  parts: { shape: ["s", word(...SHAPES)], cells: ["n", number(FEWEST, MOST)], view: ["o", view] },
   question: ({ shape, cells }) => ({ shape, cells }),
   texts,
   number: liveNumber,

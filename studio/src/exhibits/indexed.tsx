@@ -126,7 +126,7 @@ let explodedCache: { positions: Float32Array; mesh: ReturnType<typeof exploded>;
 /** A copy a little below the surface, to hide the far side behind the gaps. */
 const below = ({ mesh, normals }: Answer) => mesh.positions.map((x, i) => x - 0.04 * normals[i]!);
 
-function pictureOf({ state, answer }: Page): Picture {
+function pictureOf({ state, answer, isStill }: Page): Picture {
   const isApart = state.storage === "unindexed";
   const original = answer.mesh.positions;
   if (isApart && explodedCache?.positions !== original) explodedCache = { positions: original, mesh: exploded(answer.mesh, 0.16), ground: below(answer) };
@@ -141,7 +141,8 @@ function pictureOf({ state, answer }: Page): Picture {
     groups: { of: groups, paints: [PAINT.front, PAINT.mark] },
     paint: PAINT.front,
     shading: "flat",
-    sides: "both",
+    // Nothing of the inside is seen, and a still has a shape for each triangle.
+    sides: isStill ? "front" : "both",
   };
   // Only for triangles that are apart: each has nine numbers of its own then, in the order of the
   // faces.

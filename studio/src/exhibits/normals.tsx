@@ -8,7 +8,7 @@ import { PAINT } from "./paint";
 import { Scene } from "./Scene";
 import type { Language } from "./say";
 
-type Body = "cube" | "cylinder" | "ball";
+type Body = "cube" | "cylinder" | "ball" | "teapot";
 
 interface State {
   shape: Body;
@@ -31,8 +31,8 @@ interface Answer {
 const HOME: View = { azimuth: -58, elevation: 26, distance: 8.8, target: [0, 0, 0] };
 const defaults: State = { shape: "cube", crease: 60, on: "vertices", arrows: true, view: HOME };
 /** The distance is chosen so that all bodies have the same size in the picture. */
-const homeOf = (shape: Body): View => ({ ...HOME, distance: { cube: 8.8, cylinder: 7.2, ball: 5.2 }[shape] });
-const BODIES: readonly Body[] = ["cube", "cylinder", "ball"];
+const homeOf = (shape: Body): View => ({ ...HOME, distance: { cube: 8.8, cylinder: 7.2, ball: 5.2, teapot: 5 }[shape] });
+const BODIES: readonly Body[] = ["cube", "cylinder", "ball", "teapot"];
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -61,7 +61,7 @@ const texts: Record<Language, Texts> = {
     handle: "An edge is hard above",
     help: "If the normals of two faces differ by more, their vertices are split and each side keeps its own normal.",
     shape: "Body",
-    shapes: { cube: "cube", cylinder: "cylinder", ball: "ball" },
+    shapes: { cube: "cube", cylinder: "cylinder", ball: "ball", teapot: "teapot" },
     on: "Light it by normals of",
     vertices: "vertices",
     faces: "faces",
@@ -89,7 +89,7 @@ const texts: Record<Language, Texts> = {
     handle: "硬边的最小夹角",
     help: "两个面的夹角大于它时，公共边上的顶点被拆开，两侧各有自己的法线。",
     shape: "物体",
-    shapes: { cube: "立方体", cylinder: "圆柱", ball: "球" },
+    shapes: { cube: "立方体", cylinder: "圆柱", ball: "球", teapot: "茶壶" },
     on: "按哪种法线着色",
     vertices: "顶点法线",
     faces: "面法线",
@@ -115,10 +115,10 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 
-function pictureOf({ state, answer }: Page): Picture {
+function pictureOf({ state, answer, isStill }: Page): Picture {
   const { positions, indices } = answer.mesh;
   const byFaces = state.on === "faces";
-  const length = state.shape === "ball" ? 0.18 : 0.42;
+  const length = { cube: 0.42, cylinder: 0.42, ball: 0.18, teapot: 0.12 }[state.shape];
   return {
     layers: [
       {
@@ -129,7 +129,7 @@ function pictureOf({ state, answer }: Page): Picture {
         normals: answer.normals,
         paint: PAINT.front,
         shading: byFaces ? "flat" : "smooth",
-        sides: "both",
+        sides: isStill ? "front" : "both",
       },
       { kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: 0.7 },
       ...(state.arrows

@@ -1,5 +1,6 @@
 // The first picture: a teapot that moves away. On the left as one sees it, at its true size; on the right the triangles that this
 // takes, held up close. They fall away, and the picture on the left is never off by more than half a pixel.
+import { px } from "../exhibits/Grip";
 import { Awake, Scene } from "../exhibits/Scene";
 import { type Language, Say } from "../exhibits/say";
 import { Figure as Data } from "../view/parts";
@@ -16,7 +17,7 @@ export const DISTANCES = Array.from({ length: 37 }, (_, i) => Number((1.1 * 10 *
 /** The first one that a picture shows before any script runs. */
 export const STILL_STEP = 15;
 /** The places of both, and the share of the picture's width that the larger one takes. */
-const APART = 0.145;
+const APART = 0.25;
 const SHARE = 0.43;
 
 export interface HeroState {
@@ -64,33 +65,56 @@ function placed({ positions }: TeapotLevel, spin: number, scale: number, aside: 
 /** The width of the teapot on a screen of 1920 by 1080 with a field of view of 45 degrees: `from` is where its error is a pixel. */
 const widthOf = ({ error, from }: TeapotLevel, distance: number) => ((WIDTH / error) * from) / distance;
 
-function pictureOf({ levels, state, size, isStill }: HeroProps): Picture {
+/** Where both stand, and their sizes in pixels. */
+function standing({ levels, state, size }: HeroProps) {
   const distance = DISTANCES[state.step]!;
   const level = levelAt(levels, distance);
   const at = projector({ ...HOME, elevation: state.elevation }, size);
-  const pixels = at.to([WIDTH, 0, HOME.target[2]])[0] - at.to([0, 0, HOME.target[2]])[0];
+  const pixels = (at.to([WIDTH, 0, HOME.target[2]])[0] - at.to([0, 0, HOME.target[2]])[0]) / WIDTH;
+  const most = SHARE * size.width;
   // Nearer than this it would not fit beside the other one.
-  const scale = Math.min(widthOf(level, distance), SHARE * size.width) / pixels;
+  return { level, at, pixels, most, seen: Math.min(widthOf(level, distance), most), aside: (APART * size.width) / pixels };
+}
+
+function pictureOf(props: HeroProps): Picture {
+  const { levels, state, isStill } = props;
+  const { level, pixels, most, seen, aside } = standing(props);
   const far = state.isFull ? levels[0]! : level;
-  const near = placed(level, state.spin, (SHARE * size.width) / pixels, APART * (size.width / pixels) * (WIDTH / 0.6));
+  const near = placed(level, state.spin, most / (pixels * WIDTH), aside);
   const sides = isStill ? "front" : "both";
   return {
     layers: [
       {
         kind: "mesh",
         id: `seen ${far.triangles}`,
-        positions: placed(far, state.spin, scale, -APART * (size.width / pixels) * (WIDTH / 0.6)),
+        positions: placed(far, state.spin, seen / (pixels * WIDTH), -aside),
         indices: far.indices,
         paint: "#86acd9",
         shading: "smooth",
         sides,
       },
       { kind: "mesh", id: `near ${level.triangles}`, positions: near, indices: level.indices, paint: "#a9c4e6", shading: "flat", sides },
-      ...(isStill
-        ? []
-        : [{ kind: "wire", id: `wire ${level.triangles}`, positions: near, indices: level.indices, paint: "#1c3d66", width: 1 } as const]),
+      { kind: "wire", id: `wire ${level.triangles}`, positions: near, indices: level.indices, paint: "#1c3d66", width: 1 },
     ],
   };
+}
+
+/** The lens between both: two circles, and their outer tangents. */
+function Lens(props: HeroProps) {
+  const { at, most, seen, aside } = standing(props);
+  const [[x, y], [far]] = [at.to([-aside, 0, HOME.target[2]]), at.to([aside, 0, HOME.target[2]])];
+  const [r, big] = [0.56 * seen + 3, 0.54 * most];
+  const tilt = Math.asin(Math.min((big - r) / (far! - x!), 1));
+  const [sin, cos] = [Math.sin(tilt), Math.cos(tilt)];
+  const line = (side: 1 | -1) =>
+    `M${px(x! - r * sin)} ${px(y! + side * r * cos)}L${px(far! - big * sin)} ${px(y! + side * big * cos)}`;
+  return (
+    <g class="lens">
+      <circle cx={px(x!)} cy={px(y!)} r={px(r)} />
+      <circle cx={px(far!)} cy={px(y!)} r={px(big)} />
+      {r < big - 2 && <path d={line(1) + line(-1)} />}
+    </g>
+  );
 }
 
 export function HeroBench(props: HeroProps) {
@@ -113,6 +137,7 @@ export function HeroBench(props: HeroProps) {
             set({ spin: state.spin - (azimuth - HOME.azimuth), elevation: Math.min(Math.max(elevation, 2), 60) })
           }
           isStill={isStill}
+          over={() => <Lens {...props} />}
         />
         <p class="halves" id="hero-hint">
           <span>{words.seenFrom(metres, say.whole(Math.round(widthOf(level, distance))))}</span>

@@ -210,7 +210,7 @@ export const EN: LessonText = {
       after: (
         <p>
           Averaging across an edge that is meant to be hard smears it. So its vertices are split, and each side keeps its own normal: a{" "}
-          <Set figure="normals" to={{ shape: "cube", crease: 60 }}>cube with hard edges</Set>.
+          <Set figure="normals" to={{ shape: "cube", crease: 60, arrows: true, view: { azimuth: -58, elevation: 26, distance: 8.8, target: [0, 0, 0] } }}>cube with hard edges</Set>.
         </p>
       ),
     },
@@ -436,7 +436,7 @@ export const EN: LessonText = {
           Neither answer wins, so engines carry both and convert. To collide or blend, the teapot’s {say.whole(facts.baking.triangles)} triangles are{" "}
           <Term id="baking">baked</Term> into distances on a lattice, here {say.whole(facts.baking.samples)} samples, and meshed again into{" "}
           {say.whole(facts.baking.back)}. Each way loses something, and each loss can be bounded. A finer lattice of{" "}
-          <Handle figure="baking" field="cells" value={12} low={6} high={36} name="Cells along the longest side" /> cells brings the handle back.
+          <Handle figure="baking" field="cells" value={20} low={6} high={36} name="Cells along the longest side" /> cells brings the handle back.
         </p>
       ),
     },

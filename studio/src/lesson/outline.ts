@@ -61,7 +61,7 @@ export const SECTIONS = [
       {
         id: "normals",
         figure: "normals",
-        state: { shape: "teapot", crease: 0, arrows: false },
+        state: { shape: "teapot", crease: 0, arrows: false, view: { azimuth: -58, elevation: 26, distance: 5, target: [0, 0, 0] } },
         guess: { kind: "choice", options: ["8", "24", "36"], right: "24" },
       },
       { id: "winding", figure: "culling" },
@@ -97,7 +97,7 @@ export const SECTIONS = [
       { id: "squares", figure: "squares" },
       { id: "isosurface", figure: "isosurface" },
       { id: "network", figure: "network" },
-      { id: "baking", figure: "baking", state: { shape: "teapot" } },
+      { id: "baking", figure: "baking", state: { shape: "teapot", cells: 20 } },
       { id: "table", table: true },
     ],
   },
@@ -110,7 +110,7 @@ export const SECTIONS = [
       {
         id: "levels",
         figure: "levels",
-        state: { stop: 6 },
+        state: { stop: 4 },
         guess: { kind: "choice", options: ["teapot", "same", "mountain"], right: "teapot" },
         code: "levels",
       },

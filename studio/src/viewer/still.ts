@@ -2,7 +2,7 @@
 // browsers without WebGL.
 import { css, hex, lit, vertexColors, LIGHT, type Rgb } from "./color";
 import { across, corners, edgesOf, segments, silhouette, strokes } from "./geometry";
-import type { Layer, MeshLayer, Paint, Picture, Vec3 } from "./layers";
+import type { Layer, MeshLayer, Paint, Picture, Vec3, WireLayer } from "./layers";
 import { type Projector, type Size, type View, axesOf, dot, minus, plus, projector, row, unit } from "./view";
 
 /** A path or a dot. Colours are literal, or `var(--name)` if they follow the theme. */
@@ -20,6 +20,8 @@ const PAGE = { leastArea: 0, seam: 0.6 };
 // Chosen: a triangle of less than half a pixel, at a third of the size, and its width.
 const THUMBNAIL = { leastArea: 4, seam: 2.5 };
 
+/** Corners of more triangles than this are rounded to whole pixels, and drawn relative to the first: half the bytes of a page. */
+const FEW = 300;
 /** The factor for the depth of lines and dots, so that they are drawn over the triangles on which they lie. */
 const NEARER = 0.965;
 
@@ -27,7 +29,17 @@ const NEARER = 0.965;
 export function still({ layers }: Picture, view: View, size: Size, isThumbnail = false): Shape[] {
   const at = projector(view, size);
   const light = lightOf(view);
-  const shapes = layers.flatMap((layer) => shapesOf(layer, at, light, isThumbnail ? THUMBNAIL : PAGE));
+  // A wire over triangles that are drawn becomes their outline: one shape each instead of two or three.
+  const outlines = new Map<MeshLayer, WireLayer>();
+  for (const wire of layers) {
+    const below = wire.kind === "wire" && layers.find((layer) => layer.kind === "mesh" && hasSameTriangles(layer, wire));
+    if (below) outlines.set(below as MeshLayer, wire);
+  }
+  const drawn = new Set<Layer>(outlines.values());
+  const fineness = isThumbnail ? THUMBNAIL : PAGE;
+  const shapes = layers.flatMap((layer) =>
+    layer.kind === "mesh" ? faces(layer, at, light, fineness, outlines.get(layer)) : drawn.has(layer) ? [] : shapesOf(layer, at),
+  );
   // Sorting is stable: of equal depth, a later layer is drawn over an earlier one.
   return joined(shapes.sort((a, b) => b.depth - a.depth));
 }
@@ -46,6 +58,9 @@ function joined(shapes: readonly Shape[]): Shape[] {
 }
 const LOOKS = ["fill", "stroke", "width", "opacity"] as const;
 
+const hasSameTriangles = (mesh: Layer & { kind: "mesh" }, wire: WireLayer) =>
+  mesh.positions === wire.positions && mesh.indices === wire.indices && mesh.opacity === undefined;
+
 function lightOf(view: View): Vec3 {
   const [right, up, back] = axesOf(view);
   const [x, y, z] = LIGHT.from;
@@ -54,11 +69,9 @@ function lightOf(view: View): Vec3 {
 
 export const painted = (paint: Paint) => (paint.startsWith("--") ? `var(${paint})` : paint);
 
-function shapesOf(layer: Layer, at: Projector, light: Vec3, fineness: typeof PAGE): Shape[] {
+function shapesOf(layer: Exclude<Layer, MeshLayer>, at: Projector): Shape[] {
   const depthFactor = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
   switch (layer.kind) {
-    case "mesh":
-      return faces(layer, at, light, fineness);
     case "lines":
       return lines(layer.positions, layer, at, depthFactor);
     case "wire": {
@@ -81,9 +94,10 @@ function shapesOf(layer: Layer, at: Projector, light: Vec3, fineness: typeof PAG
   }
 }
 
-function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }: typeof PAGE): Shape[] {
+function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }: typeof PAGE, outline: WireLayer | undefined): Shape[] {
   const { positions, indices } = layer;
   const colors = vertexColors(layer);
+  const isFine = indices.length < 3 * FEW;
   const shapes: Shape[] = [];
   for (let face = 0; 3 * face < indices.length; face++) {
     const triangle = corners(positions, indices, face);
@@ -100,9 +114,11 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }
     // A back is lit like the front of the triangle with the opposite winding.
     const cosine = (isFront ? 1 : -1) * dot(towards, light);
     const fill = !color ? painted(paint) : css(layer.shading === "none" ? color : lit(color, cosine));
-    const d = `M${places.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}z`;
+    const d = closed(places, isFine);
     // A thin stroke of the same colour closes the antialiasing seams between neighbours.
-    const shape: Shape = { d, fill, stroke: fill, width: seam, depth };
+    const shape: Shape = outline
+      ? { d, fill, stroke: painted(outline.paint), width: outline.width, depth }
+      : { d, fill, stroke: fill, width: seam, depth };
     shapes.push(layer.opacity === undefined ? shape : { ...shape, opacity: layer.opacity });
   }
   return shapes;
@@ -110,6 +126,14 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }
 
 const areaOf = ([[ax, ay], [bx, by], [cx, cy]]: readonly [Vec3, Vec3, Vec3]) =>
   Math.abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2;
+
+function closed(places: readonly Vec3[], isFine: boolean): string {
+  if (isFine) return `M${places.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}z`;
+  const [a, b, c] = places.map(([x, y]) => [Math.round(x), Math.round(y)] as const) as [Whole, Whole, Whole];
+  const step = (from: Whole, to: Whole) => `${to[0] - from[0]} ${to[1] - from[1]}`;
+  return `M${a[0]} ${a[1]}l${step(a, b)} ${step(b, c)}z`;
+}
+type Whole = readonly [number, number];
 
 function mean(of: Float32Array, indices: Uint32Array, face: number): Rgb {
   const rows = [0, 1, 2].map((k) => row(of, indices[3 * face + k]!));
