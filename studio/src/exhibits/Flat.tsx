@@ -22,6 +22,45 @@ export function kept([x, y]: Point): Point {
   return [within(x, FLAT.width), within(y, FLAT.height)];
 }
 
+/** A change of a line that nobody sees, in units of the SVG. */
+const UNSEEN = 0.12;
+
+/**
+ * A line of many points as a path: points that it can do without are left out, by Douglas and Peucker's algorithm, and the
+ * others are written relative to the one before. A page of figures is half as large with it.
+ */
+export function longPath(points: readonly Point[], isClosed: boolean): string {
+  const kept = new Uint8Array(points.length);
+  kept[0] = kept[points.length - 1] = 1;
+  const parts: [number, number][] = [[0, points.length - 1]];
+  for (let part = parts.pop(); part; part = parts.pop()) {
+    const [from, to] = part;
+    const [[ax, ay], [bx, by]] = [points[from]!, points[to]!];
+    const length = Math.hypot(bx - ax, by - ay);
+    let [farthest, most] = [0, UNSEEN];
+    for (let i = from + 1; i < to; i++) {
+      const [x, y] = [points[i]![0] - ax, points[i]![1] - ay];
+      // A loop ends where it began, and has no chord.
+      const off = length ? Math.abs(x * (by - ay) - y * (bx - ax)) / length : Math.hypot(x, y);
+      if (off > most) [farthest, most] = [i, off];
+    }
+    if (farthest) {
+      kept[farthest] = 1;
+      parts.push([from, farthest], [farthest, to]);
+    }
+  }
+  // In tenths, so that roundings do not add up.
+  let last: Point = [0, 0];
+  const steps = points.flatMap((point, i) => {
+    if (!kept[i]) return [];
+    const tenths = [Math.round(point[0] * 10), Math.round(point[1] * 10)] as const;
+    const step = `${(tenths[0] - last[0]) / 10} ${(tenths[1] - last[1]) / 10}`;
+    last = tenths;
+    return [step];
+  });
+  return `M${steps[0]}${steps.length > 1 ? `l${steps.slice(1).join("l")}` : ""}${isClosed ? "z" : ""}`;
+}
+
 export function Flat({ name, children }: { name: string; children: Children }) {
   return (
     <svg class="flat" data-figure viewBox={`0 0 ${FLAT.width * SCALE} ${FLAT.height * SCALE}`} role="group" aria-label={name}>

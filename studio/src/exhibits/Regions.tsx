@@ -1,6 +1,5 @@
 // Draws a function of the plane: the regions below its levels on top of each other, so that they darken inward.
-import { toSvg } from "./Flat";
-import { px } from "./Grip";
+import { longPath, toSvg } from "./Flat";
 
 export type Loops = readonly Float32Array[];
 export interface Region {
@@ -11,15 +10,7 @@ export interface Region {
 /** Closed lines as one path. */
 export function outline(loops: Loops): string {
   return loops
-    .map((line) => {
-      const points: string[] = [];
-      for (let i = 0; i < line.length; i += 2) {
-        const [x, y] = toSvg([line[i]!, line[i + 1]!]);
-        const text = `${px(x)} ${px(y)}`;
-        if (text !== points.at(-1)) points.push(text);
-      }
-      return `M${points.join("L")}z`;
-    })
+    .map((line) => longPath(Array.from({ length: line.length / 2 }, (_, i) => toSvg([line[2 * i]!, line[2 * i + 1]!])), true))
     .join("");
 }
 

@@ -179,9 +179,9 @@ export function Scene(props: SceneProps) {
     <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": scope + help })} role="group" aria-label={name}>
       <div class="gl" ref={stage} />
       <svg data-figure viewBox={`0 0 ${size.width} ${size.height}`} aria-hidden={isStill ? "true" : undefined}>
-        <g stroke-linecap="round" stroke-linejoin="round">
+        <g stroke-linecap="round" stroke-linejoin="round" fill="none">
           {shapes.map(({ d, fill, stroke, width, opacity }, i) => (
-            <path key={i} d={d} fill={fill ?? "none"} stroke={stroke} stroke-width={width} opacity={opacity} />
+            <path key={i} d={d} fill={fill} stroke={stroke} stroke-width={width} opacity={opacity} />
           ))}
         </g>
         {isKept && <g transform={`translate(${left} ${top}) scale(${scale})`} ref={(g) => g?.append(kept)} />}

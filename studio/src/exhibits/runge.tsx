@@ -1,7 +1,7 @@
 // One polynomial through many points against a spline: if one point is moved, how far does the rest move?
 import { Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
-import { Flat, type Point, path, toSvg } from "./Flat";
+import { Flat, longPath, type Point, path, toSvg } from "./Flat";
 import { number } from "./fragment";
 import { Grip, px } from "./Grip";
 import type { Language } from "./say";
@@ -107,8 +107,8 @@ const toFigure = (x: number, y: number): Point => [6 + 5.3 * x, GROUND + TALL * 
 const within = (lift: number) => Math.round(Math.min(Math.max(lift, LIFTS[0]), LIFTS[1]) * 100) / 100;
 
 function drawn(curve: Float32Array): string {
-  return path(
-    Array.from({ length: curve.length / 2 }, (_, i) => toFigure(curve[2 * i]!, curve[2 * i + 1]!)),
+  return longPath(
+    Array.from({ length: curve.length / 2 }, (_, i) => toSvg(toFigure(curve[2 * i]!, curve[2 * i + 1]!))),
     false,
   );
 }

@@ -61,7 +61,7 @@ export function LessonPage(props: LessonProps) {
         </span>
         <nav class="onwards" aria-label={words.elsewhere}>
           <a href={fileOf("exhibits", language)}>{words.exhibits}</a>
-          <a href={language === "en" ? "workbench.html" : "workbench.zh.html"}>{words.workbench}</a>
+          <a href={language === "en" ? "workbench.html" : "workbench.zh.html"}>{words.bench}</a>
         </nav>
         <div class="wishes-of-page">
           <Languages language={language} file={(other) => fileOf("lesson", other)} />

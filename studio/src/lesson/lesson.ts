@@ -36,6 +36,7 @@ export interface Words {
   elsewhere: string;
   onward: string;
   exhibits: string;
+  bench: string;
   workbench: string;
   widget: string;
   begin: string;

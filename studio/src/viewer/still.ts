@@ -129,11 +129,15 @@ const areaOf = ([[ax, ay], [bx, by], [cx, cy]]: readonly [Vec3, Vec3, Vec3]) =>
 
 function closed(places: readonly Vec3[], isFine: boolean): string {
   if (isFine) return `M${places.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}z`;
-  const [a, b, c] = places.map(([x, y]) => [Math.round(x), Math.round(y)] as const) as [Whole, Whole, Whole];
-  const step = (from: Whole, to: Whole) => `${to[0] - from[0]} ${to[1] - from[1]}`;
-  return `M${a[0]} ${a[1]}l${step(a, b)} ${step(b, c)}z`;
+  const [first, ...others] = places.map(([x, y]) => [Math.round(x), Math.round(y)] as const);
+  let last = first!;
+  const steps = others.map((to) => {
+    const step = `${to[0] - last[0]} ${to[1] - last[1]}`;
+    last = to;
+    return step;
+  });
+  return `M${first![0]} ${first![1]}l${steps.join(" ")}z`;
 }
-type Whole = readonly [number, number];
 
 function mean(of: Float32Array, indices: Uint32Array, face: number): Rgb {
   const rows = [0, 1, 2].map((k) => row(of, indices[3 * face + k]!));
@@ -147,9 +151,10 @@ function lines(
   depthFactor: number,
 ): Shape[] {
   const shapes: Shape[] = [];
+  const isFine = positions.length < 6 * FEW;
   for (let i = 0; 6 * i < positions.length; i++) {
     const [a, b] = [at.to(row(positions, 2 * i)), at.to(row(positions, 2 * i + 1))];
-    const d = `M${px(a[0])} ${px(a[1])}L${px(b[0])} ${px(b[1])}`;
+    const d = isFine ? `M${px(a[0])} ${px(a[1])}L${px(b[0])} ${px(b[1])}` : closed([a, b], false);
     shapes.push({ d, stroke: painted(paint), width, depth: depthFactor * 0.5 * (a[2] + b[2]) });
   }
   return shapes;
