@@ -1,8 +1,9 @@
 // Before anything is drawn: takes a reader to the page in their language, or to the exhibit that the address names
 // (?exhibit=quad). The address may name a language (l=zh); else a browser that prefers the other language to this page's
-// leaves index.html, and whoever opened zh.html meant it.
+// leaves index.html or lesson.html, and whoever opened zh.html meant it.
 (function () {
-  var pages = { en: "index.html", zh: "zh.html" };
+  var isLesson = document.documentElement.dataset.exhibit === "lesson";
+  var pages = isLesson ? { en: "lesson.html", zh: "lesson.zh.html" } : { en: "index.html", zh: "zh.html" };
   // Written by scripts/build.mjs.
   var exhibits = [];
   var here = /^zh/i.test(document.documentElement.lang) ? "zh" : "en";

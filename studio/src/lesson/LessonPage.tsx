@@ -36,6 +36,10 @@ export interface LessonProps {
   stills: ReadonlyMap<string, Still>;
   /** The files of the code, by name with ending. */
   code: ReadonlyMap<string, string>;
+  /** The file of the first picture. */
+  teapot: string;
+  /** Whether there is a page in the other language. */
+  hasBoth: boolean;
 }
 
 const nothing = () => undefined;
@@ -64,7 +68,8 @@ export function LessonPage(props: LessonProps) {
           <a href={language === "en" ? "workbench.html" : "workbench.zh.html"}>{words.bench}</a>
         </nav>
         <div class="wishes-of-page">
-          <Languages language={language} file={(other) => fileOf("lesson", other)} />
+          {/* Named in the address, because lesson.html takes readers to the language that their browser prefers. */}
+          {props.hasBoth && <Languages language={language} file={(other) => `${fileOf("lesson", other)}#l=${other}`} />}
           <Themes language={language} />
         </div>
       </header>
@@ -146,7 +151,7 @@ export function LessonPage(props: LessonProps) {
   );
 }
 
-function Hero({ language, text, facts }: LessonProps) {
+function Hero({ language, text, facts, teapot }: LessonProps) {
   const { words, hero } = text;
   const say = new Say(language);
   return (
@@ -169,7 +174,7 @@ function Hero({ language, text, facts }: LessonProps) {
           </ol>
         </nav>
       </div>
-      <div class="hero-figure" data-hero data-words={JSON.stringify(spoken(words))}>
+      <div class="hero-figure" data-hero={teapot} data-words={JSON.stringify(spoken(words))}>
         <HeroBench
           levels={[levelAt(facts.hero, DISTANCES[STILL_STEP]!)]}
           state={{ ...START, step: STILL_STEP }}

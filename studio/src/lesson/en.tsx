@@ -436,8 +436,9 @@ export const EN: LessonText = {
         <p>
           Neither answer wins, so engines carry both and convert. To collide or blend, the teapot’s {say.whole(facts.baking.triangles)} triangles are{" "}
           <Term id="baking">baked</Term> into distances on a lattice, here {say.whole(facts.baking.samples)} samples, and meshed again into{" "}
-          {say.whole(facts.baking.back)}. Each way loses something, and each loss can be bounded. A finer lattice of{" "}
-          <Handle figure="baking" field="cells" value={20} low={6} high={36} name="Cells along the longest side" /> cells brings the handle back.
+          {say.whole(facts.baking.back)}. Each way loses something, and each loss can be bounded; generously here, because spout and handle reach into the body. With only{" "}
+          <Handle figure="baking" field="cells" value={20} low={6} high={36} name="Cells along the longest side" /> cells along its side, see what becomes of the
+          handle.
         </p>
       ),
     },

@@ -11,11 +11,8 @@ const PLAY_MS = 7500;
 /** Where it comes to rest: small, and still a teapot. */
 const REST = 27;
 
-/** Written by scripts/build.mjs beside the page. */
-const FILE = "lesson-teapot.bin";
-
 export async function heroLive(element: HTMLElement, language: Language): Promise<void> {
-  const response = await fetch(FILE);
+  const response = await fetch(element.dataset["hero"]!);
   if (!response.ok) return;
   const levels = unpacked(await response.arrayBuffer());
   const words = wordsOf(JSON.parse(element.dataset["words"]!) as Record<string, string>);

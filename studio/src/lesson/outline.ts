@@ -97,7 +97,7 @@ export const SECTIONS = [
       { id: "squares", figure: "squares" },
       { id: "isosurface", figure: "isosurface" },
       { id: "network", figure: "network" },
-      { id: "baking", figure: "baking", state: { shape: "teapot", cells: 20 } },
+      { id: "baking", figure: "baking", state: { shape: "teapot", cells: 20, view: { azimuth: -60, elevation: 22, distance: 5, target: [0, 0, 0] } } },
       { id: "table", table: true },
     ],
   },

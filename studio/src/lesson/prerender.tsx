@@ -1,4 +1,5 @@
 // Writes the lesson's pages as text with still figures at build time, for readers without script and until it runs.
+import { createHash } from "node:crypto";
 import { renderToString } from "preact-render-to-string";
 import type { Core } from "../core/module";
 import type { Written } from "../exhibits/prerender";
@@ -15,7 +16,7 @@ const files: Record<string, string> = import.meta.glob("./code/*", { query: "?ra
 const code = new Map(Object.entries(files).map(([path, text]) => [path.replace("./code/", ""), text]));
 
 /** The lesson in every language in which it is written, and the file of its first picture. */
-export async function lessons(core: Core): Promise<{ pages: Written[]; teapot: Uint8Array }> {
+export async function lessons(core: Core): Promise<{ pages: Written[]; teapot: { file: string; bytes: Uint8Array } }> {
   const ask: Ask = (question) => core.ask("exhibit", question);
   const facts = await factsOf(ask);
   const stills = new Map<string, Still>();
@@ -24,6 +25,9 @@ export async function lessons(core: Core): Promise<{ pages: Written[]; teapot: U
     const exhibit = await loaded(figure);
     stills.set(figure, { exhibit, state: { ...(exhibit.defaults as object), ...state }, answer: await answerOf(ask, figure, state) });
   }
+  const bytes = packed(facts.hero);
+  // With its contents in its name, as all assets.
+  const teapot = { file: `assets/teapot-${createHash("sha256").update(bytes).digest("hex").slice(0, 8)}.bin`, bytes };
   const pages = Object.entries(LESSONS).map(([name, text]) => {
     const language = name as Language;
     return {
@@ -32,10 +36,10 @@ export async function lessons(core: Core): Promise<{ pages: Written[]; teapot: U
       lang: TAGS[language],
       title: text.title,
       description: text.description,
-      body: renderToString(<LessonPage language={language} text={text} facts={facts} stills={stills} code={code} />),
+      body: renderToString(<LessonPage language={language} text={text} facts={facts} stills={stills} code={code} teapot={teapot.file} hasBoth={Object.keys(LESSONS).length === 2} />),
     };
   });
-  return { pages, teapot: packed(facts.hero) };
+  return { pages, teapot };
 }
 
 export { Core } from "../core/module";

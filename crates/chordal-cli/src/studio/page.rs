@@ -22,6 +22,8 @@ const BUFFER: usize = 1 << 16;
 
 /// The page that files are opened with.
 const WORKBENCH: &str = "/workbench.html";
+/// The page that the studio opens with: the lesson. A folder without it opens with its index.
+const LESSON: &str = "/lesson.html";
 
 /// One file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -88,7 +90,7 @@ impl StudioPage {
         self.files.get(if path == "/" { "/index.html" } else { path })
     }
 
-    /// The first URL of a browser: the start page, or the workbench with the opened files.
+    /// The first URL of a browser: the lesson, or the workbench with the opened files.
     pub fn home(&self) -> &str {
         &self.home
     }
@@ -115,7 +117,8 @@ impl StudioPage {
     }
 
     fn new(files: BTreeMap<String, PageFile>) -> Self {
-        Self { files, home: "/".into() }
+        let home = if files.contains_key(LESSON) { LESSON } else { "/" };
+        Self { files, home: home.into() }
     }
 
     /// Reads the files of a folder and its `assets`, without links.
@@ -210,6 +213,7 @@ fn kind(name: &str) -> Option<&'static str> {
         "wasm" => Some("application/wasm"),
         "json" => Some("application/json"),
         "txt" => Some("text/plain; charset=utf-8"),
+        "bin" => Some("application/octet-stream"),
         _ => None,
     }
 }
@@ -238,7 +242,7 @@ mod tests {
         let page = StudioPage::find(Some(folder.as_ref())).unwrap();
         let names: Vec<&str> = page.files.keys().map(String::as_str).collect();
         assert_eq!(names, ["/assets/a-1.js", "/index.html"]);
-        assert_eq!(page.get("/").unwrap().bytes.as_ref(), b"<p>");
+        assert_eq!((page.get("/").unwrap().bytes.as_ref(), page.home()), (&b"<p>"[..], "/"));
         assert_eq!(page.get("/assets/a-1.js").unwrap().kind, "text/javascript; charset=utf-8");
         for path in [
             "/assets/../index.html",
@@ -251,6 +255,15 @@ mod tests {
         ] {
             assert_eq!(page.get(path), None, "{path}");
         }
+    }
+
+    #[test]
+    fn opens_with_its_lesson() {
+        let folder = studio_folder("lesson");
+        for name in ["index.html", "lesson.html"] {
+            fs::write(folder.path(name), "<p>").unwrap();
+        }
+        assert_eq!(StudioPage::find(Some(folder.as_ref())).unwrap().home(), LESSON);
     }
 
     #[test]
