@@ -79,7 +79,7 @@ export function Scene(props: SceneProps) {
   const [size, setSize] = useState(STILL);
   const [viewerState, setViewerState] = useState<"loading" | "live" | "missing">("loading");
   const [kept] = useState(takeShapes);
-  const [isPrinted, setPrinted] = useState(false);
+  const [isPrinted, setPrinted] = useState(() => globalThis.matchMedia?.("print").matches ?? false);
   const shownSize: Size = shift ? { ...size, shift } : size;
   const latestSize = useRef(shownSize);
   latestSize.current = shownSize;

@@ -21,6 +21,7 @@ mod plane;
 mod quad;
 mod questions;
 mod request;
+mod rivals;
 mod runge;
 mod segments;
 mod shapes;
@@ -79,6 +80,7 @@ exhibits! {
     "field" => field::field(&request),
     "csg" => csg::csg(&request),
     "tracing" => tracing::tracing(&request),
+    "rivals" => rivals::rivals(&request),
     "segments" => segments::segments(&request),
     "squares" => squares::squares(&request),
     "baking" => baking::baking(&request),
@@ -127,6 +129,7 @@ mod tests {
             (r#"{"exhibit": "field", "point": [1, 1], "length": 0}"#, "length"),
             (r#"{"exhibit": "csg", "operation": "xor", "point": [1, 1]}"#, "operation"),
             (r#"{"exhibit": "tracing", "aim": [0.9, 4.2]}"#, "eye"),
+            (r#"{"exhibit": "rivals", "shape": "cow"}"#, "shape"),
             (r#"{"exhibit": "segments", "control": [[0, 0]], "count": 3, "length": 0.1}"#, "control"),
             (r#"{"exhibit": "squares", "look": "lattice", "cells": 400, "method": "squares"}"#, "cells"),
             (r#"{"exhibit": "squares", "look": "cube", "signs": 256}"#, "signs"),
