@@ -1,0 +1,156 @@
+// The lesson's structure is the same in each language, its handles fit its figures, and its code runs.
+import { readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
+import * as three from "three";
+import { beforeAll, describe, expect, test } from "vitest";
+import { Core } from "../../src/core/module";
+import type { AnyExhibit } from "../../src/exhibits/exhibit";
+import { EXHIBITS } from "../../src/exhibits/index";
+import { loaded } from "../../src/lesson/figures";
+import { LESSONS } from "../../src/lesson/languages";
+import { BLOCKS, isPlaced, QUESTIONS, SECTIONS, TERMS } from "../../src/lesson/outline";
+import { lessons } from "../../src/lesson/prerender";
+import { unpacked } from "../../src/lesson/teapot_levels";
+
+const ROOT = join(import.meta.dirname, "../..");
+const CODE = join(ROOT, "src/lesson/code");
+let written: Awaited<ReturnType<typeof lessons>>;
+const figures = new Map<string, AnyExhibit>();
+
+beforeAll(async () => {
+  written = await lessons(await Core.load(readFileSync(join(ROOT, "wasm/exhibits.wasm"))));
+  for (const { figure } of BLOCKS) if (isPlaced(figure)) figures.set(figure, await loaded(figure));
+  // All figures at once, by the module of the tests, on a machine that others use.
+}, 180_000);
+
+/** Each value of an attribute. */
+const values = (html: string, name: string) => [...html.matchAll(new RegExp(`${name}="([^"]*)"`, "g"))].map((match) => match[1]!);
+const json = (text: string) => JSON.parse(text.replaceAll("&quot;", '"').replaceAll("&amp;", "&")) as Record<string, unknown>;
+
+test("ids are used once, and blocks with a guess have a figure or a table", () => {
+  const ids = BLOCKS.map(({ id }) => id);
+  expect(new Set(ids).size).toBe(ids.length);
+  expect(BLOCKS.filter(({ guess }) => guess).length).toBeGreaterThanOrEqual(6);
+  for (const block of BLOCKS) if (block.guess) expect(isPlaced(block.figure), block.id).toBe(true);
+});
+
+test("every exhibit of the tour is in the lesson, except the questions, which it asks itself", () => {
+  const shown = BLOCKS.map(({ figure }) => figure);
+  for (const { id } of EXHIBITS) if (id !== "questions") expect(shown, id).toContain(id);
+});
+
+describe.each(Object.keys(LESSONS))("%s", (language) => {
+  const page = () => written.pages.find(({ file }) => file === (language === "en" ? "lesson.html" : `lesson.${language}.html`))!.body;
+
+  test("has every section, block, figure, guess, term and question", () => {
+    const html = page();
+    for (const { id } of SECTIONS) expect(html, id).toContain(`<section id="${id}"`);
+    expect(values(html, "id").filter((id) => id.startsWith("block-"))).toEqual(BLOCKS.map(({ id }) => `block-${id}`));
+    expect(values(html, "data-figure-of")).toEqual([...figures.keys()]);
+    expect(values(html, "data-guess")).toEqual(BLOCKS.filter(({ guess }) => guess).map(({ id }) => id));
+    expect(values(html, "data-card")).toEqual([...QUESTIONS]);
+    expect(values(html, "id").filter((id) => id.startsWith("term-"))).toEqual(TERMS.map((id) => `term-${id}`));
+  });
+
+  test("explains each term where it is first used, in the order of the list", () => {
+    const used = values(page(), "id").filter((id) => id.startsWith("use-"));
+    expect(used).toEqual(TERMS.map((id) => `use-${id}`));
+  });
+
+  test("has no id twice, no link to nowhere in the page, and no empty number", () => {
+    const html = page();
+    const ids = values(html, "id");
+    expect(ids.filter((id, i) => ids.indexOf(id) !== i)).toEqual([]);
+    for (const link of values(html, "href").filter((link) => link.startsWith("#"))) expect(ids, link).toContain(link.slice(1));
+    expect(html).not.toMatch(/undefined|NaN|\[object/);
+  });
+
+  test("has handles and settings that its figures know", () => {
+    const html = page();
+    const handles = [...html.matchAll(/data-handle="(\w+)" data-field="(\w+)" data-value="([^"]+)"/g)];
+    expect(handles.length).toBeGreaterThanOrEqual(8);
+    for (const [, figure, field, value] of handles) {
+      const { state } = BLOCKS.find((block) => block.figure === figure)!;
+      const first = { ...(figures.get(figure!)!.defaults as Record<string, unknown>), ...state }[field!];
+      expect(Number(value), `${figure}.${field}`).toBe(first);
+    }
+    for (const [, figure, to] of html.matchAll(/data-set="(\w+)" data-to="([^"]+)"/g))
+      expect(Object.keys(figures.get(figure!)!.defaults), `${figure}`).toEqual(expect.arrayContaining(Object.keys(json(to!))));
+    for (const block of BLOCKS)
+      if (isPlaced(block.figure) && block.state)
+        expect(Object.keys(figures.get(block.figure)!.defaults), block.id).toEqual(expect.arrayContaining(Object.keys(block.state)));
+  });
+});
+
+test("takes a quarter of an hour to read, and half an hour with its figures", () => {
+  const text = written.pages[0]!.body
+    .slice(0, written.pages[0]!.body.indexOf('<section id="terms"'))
+    .replace(/<figure.*?<\/figure>|<pre.*?<\/pre>|<svg.*?<\/svg>/gs, " ")
+    .replace(/<[^>]+>/g, " ");
+  const words = text.split(/\s+/).filter((word) => /\w/.test(word)).length;
+  // Guesses, answers and cards included, at 238 words a minute (M. Brysbaert, 2019).
+  expect(words / 238).toBeGreaterThan(10);
+  expect(words / 238).toBeLessThan(15);
+});
+
+test("the teapot of the first picture is the core's, rounded to less than its error", () => {
+  const { bytes } = written.teapot;
+  const levels = unpacked(bytes.buffer as ArrayBuffer);
+  expect(levels[0]!.triangles).toBeGreaterThan(5000);
+  for (const [i, { triangles, error, indices }] of levels.entries()) {
+    expect(indices.length).toBe(3 * triangles);
+    if (i) {
+      expect(triangles).toBeLessThan(levels[i - 1]!.triangles);
+      expect(error).toBeGreaterThan(levels[i - 1]!.error);
+    }
+  }
+});
+
+describe("code", () => {
+  const names = [...new Set(readdirSync(CODE).map((name) => name.replace(/\.\w+$/, "")))];
+
+  test("stands in both languages, in some six lines each, and each is in the lesson", () => {
+    expect(BLOCKS.flatMap(({ code }) => code ?? []).sort()).toEqual(names.sort());
+    for (const name of names)
+      for (const ending of ["py", "js"]) {
+        const lines = readFileSync(join(CODE, `${name}.${ending}`), "utf8").split("\n").filter(Boolean);
+        expect(lines.length, `${name}.${ending}`).toBeLessThanOrEqual(8);
+        for (const line of lines) expect(line.length, `${name}.${ending}: ${line}`).toBeLessThanOrEqual(116);
+      }
+  });
+
+  /** Runs an example, and returns one of its functions or values. */
+  function run<T>(name: string, wanted: string): T {
+    const source = readFileSync(join(CODE, `${name}.js`), "utf8").replace(/import (\{[^}]*\}) from "three";/, "const $1 = three;");
+    return new Function("three", "console", `${source}\nreturn ${wanted};`)(three, { log: () => undefined }) as T;
+  }
+  type P = number[];
+
+  test("in JavaScript does what the text says", () => {
+    const inside = run<(a: P, b: P, c: P, p: P) => boolean>("inside", "inside");
+    expect([inside([0, 0], [1, 0], [0, 1], [0.2, 0.2]), inside([0, 0], [0, 1], [1, 0], [0.2, 0.2]), inside([0, 0], [1, 0], [0, 1], [1, 1])]).toEqual([true, true, false]);
+    const corner = (x: number, y: number) => new three.Vector3(x, y, 0);
+    const blend = run<(corners: three.Vector3[], values: P, p: three.Vector3) => [P, number]>("blend", "blend");
+    const [weights, value] = blend([corner(0, 0), corner(1, 0), corner(0, 1)], [0, 4, 8], corner(0.25, 0.25));
+    expect(weights.reduce((sum, w) => sum + w)).toBeCloseTo(1);
+    expect(value).toBeCloseTo(3);
+    expect(run("buffers", "bytes")).toBe(60);
+    expect(run<(...v: three.Vector3[]) => three.Vector3>("normal", "normal")(corner(0, 0), corner(2, 0), corner(0, 2)).toArray()).toEqual([0, 0, 1]);
+    const isManifold = run<(faces: P[]) => boolean>("check", "isManifold");
+    const tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    expect([isManifold(tetrahedron), isManifold(tetrahedron.slice(1)), isManifold([[0, 1, 2], ...tetrahedron.slice(1)])]).toEqual([true, false, false]);
+    expect(run<(points: P[], t: number) => P>("casteljau", "casteljau")([[0, 0], [0, 4], [4, 4], [4, 0]], 0.5)).toEqual([2, 3]);
+    const gap = run<(n: number) => number>("segments", "gap");
+    expect(gap(16) / gap(32)).toBeGreaterThan(3.5);
+    const [ball, normal] = [run<(p: P) => number>("field", "ball"), run<(f: (p: P) => number, p: P) => P>("field", "normal")];
+    expect(ball([2, 0, 0])).toBe(1);
+    expect(normal(ball, [0, 3, 0])[1]).toBeCloseTo(1);
+    expect(run<(f: (p: P) => number, eye: P, way: P) => { t: number }>("trace", "trace")(ball, [-3, 0.5, 0], [1, 0, 0]).t).toBeCloseTo(3 - Math.sqrt(0.75), 2);
+    const part = run<(p: P) => number>("csg", "part");
+    expect([part([0, 0, 0]) > 0, part([0.8, 0.8, 0]) < 0]).toEqual([true, true]);
+    const triangles = run<(tolerance: number) => number>("budget", "triangles");
+    expect(triangles(0.001) / triangles(0.002)).toBeCloseTo(2, 0);
+    const levelAt = run<(levels: { error: number }[], distance: number) => { error: number }>("levels", "levelAt");
+    expect([levelAt([{ error: 0.001 }, { error: 0.1 }], 1), levelAt([{ error: 0.001 }, { error: 0.1 }], 200)]).toEqual([{ error: 0.001 }, { error: 0.1 }]);
+  });
+});
