@@ -25,7 +25,7 @@ function fileOf(address) {
   const name = url.pathname.slice(HOME.pathname.length) || "index.html";
   // Some hosts leave the ending away.
   const file = /\./.test(name) ? name : `${name}.html`;
-  return /^(?:assets\/)?[\w.-]+\.(?:html|js|css|wasm|bin)$/.test(file) ? file : undefined;
+  return /^(?:assets\/)?[\w.-]+\.(?:html|js|css|wasm|bin|svg)$/.test(file) ? file : undefined;
 }
 
 const addressOf = (file) => new URL(file, HOME).href;

@@ -90,7 +90,7 @@ for (const page of exhibits) {
 const workbenchTemplate = await readFile(join(out, "workbench.html"), "utf8");
 for (const page of workbenches()) await writeFile(join(out, page.file), await filled(workbenchTemplate, page, ["command.wasm"]));
 const lessonTemplate = await readFile(join(out, "lesson.html"), "utf8");
-const { pages, teapot } = await lessons(exhibitsCore);
+const { pages, teapot, stills } = await lessons(exhibitsCore);
 const lessonModules = Object.keys(exhibitsOf).map((name) => `exhibits/${name}.wasm`);
 const hasBoth = pages.length === 2;
 for (const page of pages) {
@@ -99,7 +99,7 @@ for (const page of pages) {
   const script = '<meta name="color-scheme"';
   await writeFile(join(out, page.file), hasBoth ? replaceOnce(html, script, `<script src="./language.js"></script>\n    ${script}`, "the language") : html);
 }
-await writeFile(join(out, teapot.file), teapot.bytes);
+for (const { file, bytes } of [teapot, ...stills]) await writeFile(join(out, file), bytes);
 // The script that switches languages needs the ids of all exhibits.
 const ids = [...new Set(exhibits.map(({ id }) => id).filter(Boolean))];
 const language = join(out, "language.js");

@@ -110,7 +110,7 @@ export const SECTIONS = [
       {
         id: "levels",
         figure: "levels",
-        state: { stop: 4 },
+        state: { stop: 0 },
         guess: { kind: "choice", options: ["teapot", "same", "mountain"], right: "teapot" },
         code: "levels",
       },

@@ -10,13 +10,21 @@ import { loaded } from "./figures";
 import { LessonPage, type Still } from "./LessonPage";
 import { LESSONS } from "./languages";
 import { BLOCKS, isPlaced } from "./outline";
+import { lighter, type StillFile } from "./stills";
 import { packed } from "./teapot_levels";
 
 const files: Record<string, string> = import.meta.glob("./code/*", { query: "?raw", import: "default", eager: true });
 const code = new Map(Object.entries(files).map(([path, text]) => [path.replace("./code/", ""), text]));
 
-/** The lesson in every language in which it is written, and the file of its first picture. */
-export async function lessons(core: Core): Promise<{ pages: Written[]; teapot: { file: string; bytes: Uint8Array } }> {
+interface Lessons {
+  pages: Written[];
+  /** The first picture's file, and those of stills. */
+  teapot: StillFile;
+  stills: StillFile[];
+}
+
+/** The lesson in every language in which it is written. */
+export async function lessons(core: Core): Promise<Lessons> {
   const ask: Ask = (question) => core.ask("exhibit", question);
   const facts = await factsOf(ask);
   const stills = new Map<string, Still>();
@@ -28,18 +36,36 @@ export async function lessons(core: Core): Promise<{ pages: Written[]; teapot: {
   const bytes = packed(facts.hero);
   // With its contents in its name, as all assets.
   const teapot = { file: `assets/teapot-${createHash("sha256").update(bytes).digest("hex").slice(0, 8)}.bin`, bytes };
+  const files: StillFile[] = [];
   const pages = Object.entries(LESSONS).map(([name, text]) => {
     const language = name as Language;
+    const html = renderToString(
+      <LessonPage
+        language={language}
+        text={text}
+        facts={facts}
+        stills={stills}
+        code={code}
+        teapot={teapot.file}
+        hasBoth={Object.keys(LESSONS).length === 2}
+      />,
+    );
+    // The first picture stays in the page.
+    const body = html.replace(/<figure.*?<\/figure>/gs, (figure) => {
+      const light = lighter(figure);
+      files.push(...light.files);
+      return light.html;
+    });
     return {
       file: fileOf("lesson", language),
       id: "lesson",
       lang: TAGS[language],
       title: text.title,
       description: text.description,
-      body: renderToString(<LessonPage language={language} text={text} facts={facts} stills={stills} code={code} teapot={teapot.file} hasBoth={Object.keys(LESSONS).length === 2} />),
+      body,
     };
   });
-  return { pages, teapot };
+  return { pages, teapot, stills: files };
 }
 
 export { Core } from "../core/module";

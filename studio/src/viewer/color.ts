@@ -48,11 +48,6 @@ export function lit(color: Rgb, cosine: number): Rgb {
   return color.map((x) => Math.min(fromLinear(toLinear(x) * intensity), 1)) as unknown as Rgb;
 }
 
-/** In sixteen steps of each channel, with three digits: for shapes so many and small that the steps are not seen. */
-export function shortCss(color: Rgb): string {
-  return `#${color.map((x) => Math.round(15 * Math.min(Math.max(x, 0), 1)).toString(16)).join("")}`;
-}
-
 export function css(color: Rgb): string {
   return `#${color
     .map((x) =>

@@ -1,6 +1,6 @@
 // The same layers as flat SVG shapes, sorted from far to near: for the page before any script runs, for print, and for
 // browsers without WebGL.
-import { css, hex, lit, shortCss, vertexColors, LIGHT, type Rgb } from "./color";
+import { css, hex, lit, vertexColors, LIGHT, type Rgb } from "./color";
 import { across, corners, edgesOf, segments, silhouette, strokes } from "./geometry";
 import type { Layer, MeshLayer, Paint, Picture, Vec3, WireLayer } from "./layers";
 import { type Projector, type Size, type View, axesOf, dot, minus, plus, projector, row, unit } from "./view";
@@ -20,7 +20,7 @@ const PAGE = { leastArea: 0, seam: 0.6 };
 // Chosen: a triangle of less than half a pixel, at a third of the size, and its width.
 const THUMBNAIL = { leastArea: 4, seam: 2.5 };
 
-/** More triangles than this have their corners in whole pixels, relative to the first, and short colours: half the bytes. */
+/** More triangles than this have their corners in whole pixels, relative to the one before: half the bytes. */
 const FEW = 300;
 /** The factor for the depth of lines and dots, so that they are drawn over the triangles on which they lie. */
 const NEARER = 0.965;
@@ -113,8 +113,7 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }
     const towards = normals ? unit(mean(normals, indices, face)) : normal;
     // A back is lit like the front of the triangle with the opposite winding.
     const cosine = (isFront ? 1 : -1) * dot(towards, light);
-    const shaded = color && (layer.shading === "none" ? color : lit(color, cosine));
-    const fill = !shaded ? painted(paint) : isFine ? css(shaded) : shortCss(shaded);
+    const fill = !color ? painted(paint) : css(layer.shading === "none" ? color : lit(color, cosine));
     const d = closed(places, isFine);
     // A thin stroke of the same colour closes the antialiasing seams between neighbours.
     const shape: Shape = outline

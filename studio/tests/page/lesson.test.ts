@@ -229,7 +229,7 @@ test("without script everything can be read: text, pictures, answers, both langu
   expect(await page.locator("[style]").count(), "a strict policy forbids styles in the text").toBe(0);
   expect(await page.locator(".hero svg path").count()).toBeGreaterThan(100);
   for (const id of FIGURES) {
-    expect(await figure(page, id).locator(".stage svg").first().isVisible(), id).toBe(true);
+    expect(await figure(page, id).locator(".stage :is(svg, img.still)").first().isVisible(), id).toBe(true);
     expect(await figure(page, id).locator(".live").isVisible(), id).toBe(true);
   }
   expect(await page.locator("form:visible, textarea:visible, .handle-of[role]").count()).toBe(0);
@@ -252,7 +252,7 @@ test("on paper it is text with its figures and answers, on white, without contro
   await page.emulateMedia({ media: "print" });
   expect(await page.evaluate(() => getComputedStyle(document.body).backgroundColor)).toBe("rgb(255, 255, 255)");
   expect(await page.locator("button:not(.set-of):visible, input:visible, textarea:visible, canvas:visible, select:visible").count()).toBe(0);
-  for (const id of FIGURES) expect(await figure(page, id).locator(".stage svg").first().isVisible(), id).toBe(true);
+  for (const id of FIGURES) expect(await figure(page, id).locator(".stage :is(svg, img.still)").first().isVisible(), id).toBe(true);
   for (const { id } of GUESSED) expect(await page.locator(`[data-guess="${id}"] details p`).isVisible(), id).toBe(true);
   await expect.poll(() => page.locator(".hero svg path").count()).toBeGreaterThan(100);
   await page.context().close();

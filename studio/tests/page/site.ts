@@ -19,7 +19,7 @@ export const EXHIBITS_WASM = join(ROOT, "wasm/exhibits.wasm");
 /** Whether the cases that `make test` leaves out are run. */
 export const isLong = process.env["CHORDAL_LONG"] !== undefined;
 
-const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
+const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
 const FLAGS = [
   "--headless",
   "--no-sandbox",
