@@ -171,8 +171,8 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
         pulls={pulls}
         over={(at) => (
           <>
-            {hasGrid && box && <GridLabels page={page} at={at} box={box} step={step} />}
-            {hasSizes && box && <Sizes page={page} at={at} box={box} unit={unit} />}
+            {hasGrid && box && <GridLabels page={page} at={at} view={view} box={box} step={step} />}
+            {hasSizes && box && <Sizes page={page} at={at} view={view} box={box} unit={unit} />}
             {control && <Triad view={view} x={covered.left + TRIAD} y={size.height - covered.bottom - TRIAD} />}
             <MeasureMarks page={page} at={at} measures={measures} unit={unit} centre={centre} />
             {cut && plane && box && <Turner page={page} cut={cut} at={at} from={plane.at} box={box} set={setCut} />}

@@ -1,7 +1,7 @@
 // The workbench for every reader: without script, on a phone, in both languages, in dark and light.
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
-import { Site, isLong, axeFindings, settled } from "./site";
-import { PATIENCE, Workbenches, faults, small, write } from "./workbench_page";
+import { Site, axeFindings, isLong, settled } from "./site";
+import { PATIENCE, Workbenches, faults, panel, small, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
 
@@ -50,10 +50,13 @@ test.each(looks)("%s fits and has no serious findings, %s and %i wide", async (f
   // Parts that only a file has: findings, repairs, and another picture beside the mesh.
   const picker = page.locator(".inputs input[type=file]");
   await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
-  await page.locator(".findings li").nth(1).waitFor();
-  await settled(page);
-  expect(await fits()).toBeLessThanOrEqual(width);
-  expect(await axeFindings(page)).toEqual([]);
+  await page.locator('[data-panel="findings"]').waitFor();
+  for (const name of ["findings", "beside", "change", "export", "certificate", "input"] as const) {
+    await panel(page, name);
+    await settled(page);
+    expect(await fits()).toBeLessThanOrEqual(width);
+    expect(await axeFindings(page), name).toEqual([]);
+  }
   expect(faults(errors)).toEqual([]);
 });
 

@@ -68,10 +68,14 @@ const underline = Decoration.mark({ class: "cm-problem" });
 /** Marks the line if there is no text to underline, as at the end of a line. */
 const spot = Decoration.line({ class: "cm-problemSpot" });
 
-const marksOf = (problem: Problem): Range<Decoration>[] => [
-  problem.to > problem.from ? underline.range(problem.from, problem.to) : spot.range(problem.from),
-];
-const marks = (problem: Problem | null): DecorationSet => (problem ? Decoration.set(marksOf(problem)) : Decoration.none);
+// Functions, not constants: the fields above are given them while this module is read.
+function marksOf(problem: Problem): Range<Decoration>[] {
+  return [problem.to > problem.from ? underline.range(problem.from, problem.to) : spot.range(problem.from)];
+}
+
+function marks(problem: Problem | null): DecorationSet {
+  return problem ? Decoration.set(marksOf(problem)) : Decoration.none;
+}
 
 const WORD = /^[\p{L}\p{N}_]+/u;
 

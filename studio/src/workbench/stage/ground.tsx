@@ -12,6 +12,8 @@ const REACH = 20;
 const PIECE = 4;
 /** Along a side of the shape with more squares only every fifth line has a number. */
 const MOST_LABELS = 8;
+/** Below this elevation, in degrees, the ground is seen from the side. */
+const LEVEL = 8;
 const AXES = { x: "#c8472f", y: "#3f8a3a", z: "#3a6fc8" } as const;
 
 /** The side of a square: 1, 2 or 5 times a power of ten. */
@@ -80,8 +82,10 @@ export function Triad({ view, x, y }: { view: View; x: number; y: number }) {
 }
 
 /** The numbers along the grid's edges through the origin's axes, every fifth line. */
-export function GridLabels({ page, at, box, step }: { page: Page; at: Projector; box: Box; step: number }) {
+export function GridLabels({ page, at, view, box, step }: { page: Page; at: Projector; view: View; box: Box; step: number }) {
   const [low, high] = box;
+  // From the side all of them would be on one line.
+  if (Math.abs(view.elevation) < LEVEL) return null;
   const labels: { key: string; point: Vec3; text: string }[] = [];
   for (const k of [0, 1] as const) {
     const other = (1 - k) as 0 | 1;
@@ -110,11 +114,11 @@ export function GridLabels({ page, at, box, step }: { page: Page; at: Projector;
 }
 
 /** The sizes of the box, beside the edges of its outline that the eye sees. */
-export function Sizes({ page, at, box, unit }: { page: Page; at: Projector; box: Box; unit: string }) {
+export function Sizes({ page, at, view, box, unit }: { page: Page; at: Projector; view: View; box: Box; unit: string }) {
   const [low, high] = box;
   const middle = low.map((x, k) => (x + high[k]!) / 2) as unknown as Vec3;
   const near = low.map((x, k) => (at.eye[k]! > middle[k]! ? high[k]! : x)) as unknown as Vec3;
-  const [away] = [0.06 * Math.hypot(...minus(high, low))];
+  const away = 0.06 * Math.hypot(...minus(high, low));
   const lines = [0, 1, 2].map((k) => {
     // Along x and y on the near side of the ground; along z on the corner that is farthest to a side.
     const ends = [low, high].map((end) => {
@@ -127,6 +131,8 @@ export function Sizes({ page, at, box, unit }: { page: Page; at: Projector; box:
     if (k < 2) {
       const other = 1 - k;
       out[other] = near[other]! > middle[other]! ? away : -away;
+      // From the side that would be on the edge itself.
+      if (Math.abs(view.elevation) < LEVEL) out[2] = -away;
     } else {
       const corners = [[low[0], near[1]], [high[0], near[1]], [near[0], low[1]], [near[0], high[1]]] as const;
       const widest = [...corners].sort((a, b) => at.to([b[0], b[1], middle[2]])[0] - at.to([a[0], a[1], middle[2]])[0])[0]!;
