@@ -2,8 +2,9 @@
 // draws still pictures without WebGL.
 export { type Camera, control } from "./controls";
 export { rampStops } from "./color";
+export { type FieldProgram, fieldProgram } from "./field_program";
 export { edgesOf, exploded, middles, segments } from "./geometry";
-export type { DecodedPicture, Layer, MeshLayer, Paint, Picture, RampName, Section, Vec3 } from "./layers";
+export type { DecodedPicture, FieldLayer, Layer, MeshLayer, Paint, Picture, RampName, Section, Vec3 } from "./layers";
 export { type Shape, painted, still } from "./still";
 export { type Projector, type Size, type View, eyeOf, facing, pick, projector, row } from "./view";
 

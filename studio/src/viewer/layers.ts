@@ -1,6 +1,8 @@
 // The viewer's input: a list of layers, which are plain arrays. A layer whose arrays are the same objects as before is not
 // built again.
 
+import type { FieldProgram } from "./field_program";
+
 export type Vec3 = readonly [number, number, number];
 
 /** A CSS colour, or the name of a custom property of the root, such as `--ink`. */
@@ -97,7 +99,20 @@ export interface PointLayer extends Common {
   size: number;
 }
 
-export type Layer = MeshLayer | LineLayer | WireLayer | SilhouetteLayer | NormalLayer | PointLayer;
+/** A field, traced by the graphics card; nothing in still pictures and without WebGL. */
+export interface FieldLayer extends Common {
+  kind: "field";
+  program: FieldProgram;
+  paint: Paint;
+  /** The paint of the surface from inside, if it differs. */
+  back?: Paint;
+  /** The light of the meshes (by default), that of the core's pictures, the normal as a colour, or the steps of each ray. */
+  light?: "plain" | "studio" | "normals" | "steps";
+  /** Called when the field is drawn, and when it cannot be drawn: the program does not compile, or the context is lost. */
+  drawn?(isDrawn: boolean): void;
+}
+
+export type Layer = FieldLayer | MeshLayer | LineLayer | WireLayer | SilhouetteLayer | NormalLayer | PointLayer;
 
 /** A clipping plane: points with normal · p > offset are cut away. */
 export interface Section {

@@ -72,6 +72,9 @@ export const painted = (paint: Paint) => (paint.startsWith("--") ? `var(${paint}
 function shapesOf(layer: Exclude<Layer, MeshLayer>, at: Projector): Shape[] {
   const depthFactor = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
   switch (layer.kind) {
+    // Only the graphics card draws it; a page that needs it without has a picture of the core.
+    case "field":
+      return [];
     case "lines":
       return lines(layer.positions, layer, at, depthFactor);
     case "wire": {

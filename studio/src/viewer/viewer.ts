@@ -38,8 +38,9 @@ import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { LIGHT, toLinear, vertexColors } from "./color";
+import { aim, fieldMesh, renumber } from "./field_shader";
 import { type Edge, edgesOf, segments, silhouette, strokes } from "./geometry";
-import type { DecodedPicture, Layer, MeshLayer, Paint, Picture, Section } from "./layers";
+import type { DecodedPicture, FieldLayer, Layer, MeshLayer, Paint, Picture, Section } from "./layers";
 import { type View, axesOf, eyeOf, focal, fovOf } from "./view";
 
 /** A higher pixel ratio costs time without a visible difference. */
@@ -81,6 +82,8 @@ export class Viewer {
   private shift: readonly [number, number] = [0, 0];
   private frame = 0;
   private isDisposed = false;
+  /** Set by three.js when a program that is drawn for the first time did not compile. */
+  private hasShaderError = false;
 
   /** Draws into an element, which it fills. Throws if the browser has no WebGL 2. */
   constructor(private readonly root: HTMLElement) {
@@ -94,6 +97,9 @@ export class Viewer {
     sun.position.set(...LIGHT.from);
     this.lights.add(sun, sun.target);
     this.scene.add(this.lights, new AmbientLight(0xffffff, LIGHT.ambient * Math.PI));
+    this.renderer.debug.onShaderError = () => {
+      this.hasShaderError = true;
+    };
     this.canvas.addEventListener("webglcontextlost", this.onLost);
     this.canvas.addEventListener("webglcontextrestored", this.onRestored);
     this.dark.addEventListener("change", this.restyle);
@@ -115,7 +121,9 @@ export class Viewer {
     for (const [id, shown] of this.shown) {
       const layer = layersById.get(id);
       // If only the arrays differ, as during a drag, the materials are kept: creating them takes milliseconds.
-      if (!layer || isCutAnew || !isSame(layer, shown.layer, true)) this.remove(id, shown);
+      // The section of a field is a uniform.
+      const isCut = isCutAnew && shown.layer.kind !== "field";
+      if (!layer || isCut || !isSame(layer, shown.layer, true)) this.remove(id, shown);
       else if (!isSame(layer, shown.layer, false)) this.reshape(shown, layer);
     }
     for (const layer of picture.layers) if (!this.shown.has(layer.id)) this.add(layer);
@@ -158,6 +166,24 @@ export class Viewer {
     return { geometries, textures };
   }
 
+  /** Whether the processor does the work of a graphics card, so that a field takes a second for a frame. */
+  get isSoftware(): boolean {
+    const gl = this.renderer.getContext();
+    const info = gl.getExtension("WEBGL_debug_renderer_info");
+    const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  }
+
+  /** How many vectors of four numbers a field's program may have, beside those of the camera and the light. */
+  get uniformVectors(): number {
+    return this.renderer.capabilities.maxFragmentUniforms - 32;
+  }
+
+  /** The number of programs on the GPU. */
+  get programs(): number {
+    return this.renderer.info.programs?.length ?? 0;
+  }
+
   /** Draws immediately and returns the canvas, whose pixels must be read in the same task. */
   now(): HTMLCanvasElement {
     cancelAnimationFrame(this.frame);
@@ -167,8 +193,33 @@ export class Viewer {
   }
 
   // The browser restores a lost context only if its default action is prevented.
-  private onLost = (event: Event): void => event.preventDefault();
-  private onRestored = (): void => this.request();
+  private onLost = (event: Event): void => {
+    event.preventDefault();
+    for (const shown of this.shown.values()) if (shown.layer.kind === "field") this.hide(shown);
+  };
+  private onRestored = (): void => {
+    for (const shown of this.shown.values()) if (shown.layer.kind === "field") void this.compile(shown);
+    this.request();
+  };
+
+  /** Compiles the program of a field, without blocking the page if the browser can, and shows the field then. */
+  private async compile(shown: Shown): Promise<void> {
+    const object = shown.objects[0]!;
+    await this.renderer.compileAsync(object, this.camera, this.scene);
+    const isShown = [...this.shown.values()].includes(shown);
+    if (this.isDisposed || !isShown || this.renderer.getContext().isContextLost()) return;
+    object.visible = true;
+    this.hasShaderError = false;
+    if (!this.view) return;
+    this.now();
+    if (this.hasShaderError) this.hide(shown);
+    else (shown.layer as FieldLayer).drawn?.(true);
+  }
+
+  private hide({ layer, objects }: Shown): void {
+    objects[0]!.visible = false;
+    (layer as FieldLayer).drawn?.(false);
+  }
 
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.root;
@@ -190,8 +241,12 @@ export class Viewer {
   private render(): void {
     if (!this.view || this.isDisposed) return;
     const { view } = this;
-    for (const shown of this.shown.values()) this.outline(shown, view);
-    this.renderer.render(this.scene, this.cameraOf(view));
+    const camera = this.cameraOf(view);
+    for (const shown of this.shown.values()) {
+      if (shown.layer.kind === "field") this.aim(shown.objects[0] as Mesh, view);
+      else this.outline(shown, view);
+    }
+    this.renderer.render(this.scene, camera);
     this.frames += 1;
   }
 
@@ -232,6 +287,14 @@ export class Viewer {
     return reach;
   }
 
+  /** A field is traced in perspective, about the middle of the picture. */
+  private aim(mesh: Mesh, view: View): void {
+    const { clientWidth: width, clientHeight: height } = this.root;
+    if (!width || !height) return;
+    const section = this.section && { of: this.section, color: this.color(this.section.paint) };
+    aim(mesh, view, { width, height }, this.camera, this.canvas.height, section);
+  }
+
   private outline({ layer, objects, edges }: Shown, view: View): void {
     if (layer.kind !== "silhouette" || !edges) return;
     const line = objects[0] as LineSegments2;
@@ -244,6 +307,9 @@ export class Viewer {
     switch (layer.kind) {
       case "mesh":
         shown.objects = this.meshes(layer);
+        break;
+      case "field":
+        shown.objects = [fieldMesh(layer, this.color)];
         break;
       case "points":
         shown.objects = [this.points(layer)];
@@ -269,11 +335,13 @@ export class Viewer {
     });
     this.scene.add(...shown.objects);
     this.shown.set(layer.id, shown);
+    if (layer.kind === "field") void this.compile(shown);
   }
 
   /** Replaces the arrays of a layer, and keeps its materials. */
   private reshape(shown: Shown, layer: Layer): void {
     shown.layer = layer;
+    if (layer.kind === "field") return renumber(shown.objects[0] as Mesh, layer);
     if (layer.kind === "silhouette") shown.edges = edgesOf(layer.positions, layer.indices);
     shown.objects.forEach((object) => {
       const mesh = object as Mesh;
@@ -282,7 +350,7 @@ export class Viewer {
     });
   }
 
-  private geometry(layer: Layer): BufferGeometry {
+  private geometry(layer: Exclude<Layer, FieldLayer>): BufferGeometry {
     switch (layer.kind) {
       case "mesh":
         return meshGeometry(layer, this.color);
@@ -375,7 +443,7 @@ export class Viewer {
     return material;
   }
 
-  private line(layer: Exclude<Layer, { kind: "mesh" | "points" }>): LineSegments2 {
+  private line(layer: Exclude<Layer, { kind: "field" | "mesh" | "points" }>): LineSegments2 {
     const { paint, width, isOnTop } = layer;
     const material = new LineMaterial({ linewidth: width, depthTest: !isOnTop });
     // Edges lie on the triangles and must win the depth test. Wide lines are triangles, too, so the offset is on the lines: if
