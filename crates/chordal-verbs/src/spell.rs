@@ -2,7 +2,7 @@
 use crate::report::{Certificate, ExaminationFacts, FindingFacts, Report, WarningFacts};
 use crate::{
     BakeOutcome, ConvertOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome,
-    VerifyReport,
+    ShaderOutcome, VerifyReport,
 };
 use chordal::budget::advice::{Spell, Spelling};
 
@@ -24,7 +24,7 @@ macro_rules! by_certificate {
     )*};
 }
 
-by_certificate! { ConvertOutcome MeshOutcome RefineOutcome RenderOutcome }
+by_certificate! { ConvertOutcome MeshOutcome RefineOutcome RenderOutcome ShaderOutcome }
 
 /// Implements [`Spell`] for outcomes that may miss the budget.
 macro_rules! by_certificate_and_reason {

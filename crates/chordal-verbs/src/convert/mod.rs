@@ -1,6 +1,7 @@
 //! `convert`: the same shape in another format, with a note on everything that the format does not hold.
 mod certified;
 mod curve_forms;
+mod shader;
 use crate::formats::{in_words, names_where};
 use crate::mesh::request::MeshRequest;
 use crate::output::finish::finish_triangles;
@@ -24,6 +25,7 @@ use chordal_io::{
 use curve_forms::cubic_paths;
 use curve_forms::{line_losses, straight_lines};
 use serde_json::Value;
+pub use shader::{ShaderOutcome, field_shader};
 use std::io::Write;
 
 /// A shape in the form in which its format holds it.

@@ -13,6 +13,7 @@ mod curves;
 mod field_to_grid;
 mod field_to_mesh;
 mod field_to_polyline;
+mod field_to_shader;
 mod fields;
 mod fields_with_meshes;
 mod fitting;
@@ -39,6 +40,7 @@ mod patches_to_mesh;
 mod points_to_spline;
 mod polyline_to_spline;
 mod redistance;
+mod shaders;
 mod sweep;
 mod triangles;
 mod trimmed_surfaces_to_mesh;
@@ -101,6 +103,11 @@ pub mod solids;
 /// Buffers for graphics processors.
 pub mod gpu {
     pub use super::mesh_to_gpu_buffers::{GpuBuffers, IndexBuffer, mesh_to_gpu_buffers};
+}
+
+/// Fields as the text of programs for graphics processors.
+pub mod shader {
+    pub use super::field_to_shader::{FieldShader, ShaderRefusal, field_to_shader};
 }
 
 /// Isosurfaces on a lattice, vertex by vertex.

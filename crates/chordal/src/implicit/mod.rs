@@ -41,6 +41,8 @@ pub(crate) use grid::with_samples;
 pub use grid::{Grid, InvalidGrid, Samples};
 pub use leaf::Lipschitz;
 pub(crate) use leaf::{Leaf, LeafAnswer, LeafError};
+pub(crate) use op::{Binary, Unary};
+pub(crate) use shapes::leaf_as_expr;
 pub(crate) use sparse::BrickSlab;
 pub use sparse::SparseGrid;
 pub(crate) use tape::Tape;

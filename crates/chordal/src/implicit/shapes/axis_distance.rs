@@ -59,6 +59,12 @@ impl Leaf for AxisDistance {
     }
 }
 
+/// The same as a root of squares, for programs that know only expressions.
+pub(super) fn axis_distance_as_root() -> Expr {
+    let [x, y, _] = Expr::axes();
+    (x.square() + y.square()).sqrt()
+}
+
 /// Whether a leaf is the distance from the z axis.
 pub(in crate::implicit) fn is_axis_distance(leaf: &dyn Leaf) -> bool {
     leaf.as_any().is_some_and(|leaf| leaf.is::<AxisDistance>())

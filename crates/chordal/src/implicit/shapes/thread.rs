@@ -2,6 +2,7 @@
 use super::{InvalidShape, axis_distance, finite, positive};
 use crate::budget::Evidence;
 use crate::implicit::construction::{Construction, SolidForm, ThreadProfile};
+use crate::implicit::op::{Binary, Unary};
 use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{
     Box3, Interval, add_down, add_up, div_up, elementary, greater, lesser, mul_up, sqrt_down, sqrt_up,
@@ -150,6 +151,20 @@ impl HelixRise {
         if self.is_above { turns } else { -turns }
     }
 
+    /// The same values up to rounding as an expression.
+    fn expr(self) -> Expr {
+        let [x, y, z] = Expr::axes();
+        let turns = z / self.pitch - Expr::binary(Binary::Atan2, &y, &x) / std::f64::consts::TAU;
+        let turns = &turns - Expr::unary(Unary::Round, &turns);
+        let turns = if self.is_above { turns } else { -turns };
+        // Between its turning points the rise is below the fall, and beyond them it is above.
+        let falling = (&turns + 0.5) * (-(1.0 - FALL) / FALL) + 0.5;
+        let height = turns.max(&falling) * self.pitch;
+        let middle = 0.25 * self.pitch;
+        let share = ((x.square() + y.square()).sqrt() / self.core).min(&Expr::constant(1.0));
+        share * (height - middle) + middle
+    }
+
     /// A bound on its rounding: quotients of the height, and an angle of some units.
     fn rounding(self, z: f64) -> f64 {
         32.0 * f64::EPSILON * (z.abs() / self.pitch + 1.0)
@@ -208,6 +223,11 @@ impl HelixRise {
 /// Turns closer than this to an end of the fall may be on either side. Derived: 16 roundings of numbers below
 /// 1.
 const LEAST: f64 = 16.0 * f64::EPSILON;
+
+/// The value of a leaf as an expression, if it is a side of a thread.
+pub(super) fn helix_as_expr(leaf: &dyn Leaf) -> Option<Expr> {
+    leaf.as_any()?.downcast_ref::<HelixRise>().map(|helix| helix.expr())
+}
 
 /// The height for turns from minus to plus a half: the turns themselves, or the falling part.
 fn fold(turns: f64) -> f64 {
@@ -297,5 +317,9 @@ impl Leaf for HelixRise {
 
     fn evidence(&self) -> Evidence {
         Evidence::Proved
+    }
+
+    fn as_any(&self) -> Option<&dyn std::any::Any> {
+        Some(self)
     }
 }
