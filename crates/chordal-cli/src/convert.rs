@@ -14,7 +14,8 @@ use chordal::budget::advice::Spell;
 use chordal_verbs::options::ConvertOptions;
 use chordal_verbs::report::Report;
 use chordal_verbs::{
-    MeshFailure, Shape, convert_certified, convert_within, extension, needs_mesh, polygons_lose_no_more,
+    MeshFailure, Shape, convert_certified, convert_within, extension, field_shader, needs_mesh,
+    polygons_lose_no_more,
 };
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ Examples:
   chordal convert samples.npy samples.nrrd
   chordal convert part.glb part.star
   chordal convert part.glb part.3mf --keep-certificate
+  chordal convert block.star block.glsl
   chordal convert part.obj -o - --to stl > part.stl")]
 pub struct ConvertArgs {
     /// Output file; '-' writes to stdout. -o works as well
@@ -75,6 +77,9 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     // clap requires one of the two.
     let output = args.output.as_ref().or(args.output_option.as_ref());
     let output = output.ok_or_else(|| Fault::usage("no output was given: name a file"))?;
+    if args.options.to.is_none() && is_shader(output) {
+        return run_shader(args, output);
+    }
     let output_args = OutputArgs { output: output.clone(), force: args.force, threads: args.threads };
     let run_args = RunArgs { input: &args.input, output: &output_args, console: &args.console };
     if args.options.to.is_none() && extension(&output.to_string_lossy()) == Some("star") {
@@ -112,6 +117,28 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     let place = run.place(&target, outcome.names_files());
     let write_set = |stem: &str| outcome.write_files(stem);
     let bytes = args.set.write(&place, &outcome.certificate, &mut |out| outcome.write(out), write_set)?;
+    run.report(outcome.certificate, (target.name(), bytes), summary_text)
+}
+
+/// Whether the name is that of a text of GLSL, which is no format of a shape: it cannot be read back.
+fn is_shader(output: &Path) -> bool {
+    extension(&output.display().to_string()).is_some_and(|name| name.eq_ignore_ascii_case("glsl"))
+}
+
+/// Writes a field as functions for a graphics processor, named after the file.
+fn run_shader(args: &ConvertArgs, output: &Path) -> Result<(), Fault> {
+    if args.options.length.is_some() {
+        return Err(Fault::usage("--tol is for drawings written as svg: a field is written as it is"));
+    }
+    let output_args = OutputArgs { output: output.to_owned(), force: args.force, threads: args.threads };
+    let run_args = RunArgs { input: &args.input, output: &output_args, console: &args.console };
+    let mut run = VerbRun::start("convert", run_args)?;
+    let target = run.target()?;
+    let input = run.read()?;
+    let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let outcome = run.made(field_shader(&input, &name))?;
+    let source = outcome.shader.source;
+    let bytes = target.write(&mut |out| Ok(out.write_all(source.as_bytes())?))?;
     run.report(outcome.certificate, (target.name(), bytes), summary_text)
 }
 

@@ -321,7 +321,7 @@ export class Viewer {
       default:
         shown.objects = [this.line(layer)];
     }
-    if (layer.isMark && layer.kind !== "mesh") {
+    if (layer.isMark && layer.kind !== "mesh" && layer.kind !== "field") {
       // Again, faint, only where something is in front of it. Neither writes depth, or marks would hide each other.
       shown.objects.push(layer.kind === "points" ? this.points(layer) : this.line(layer));
       const [seen, hidden] = shown.objects.map((object) => (object as Mesh).material as Material);
