@@ -12,6 +12,7 @@ import { hasField, isScript } from "./document";
 import { type Part, boxOf } from "./glb";
 import type { LayoutControl } from "./layout/layout";
 import { LAYOUT_TEXTS } from "./layout/texts";
+import { LiveField } from "./LiveField";
 import { levelAt } from "./Levels";
 import { MeasureCard, MeasureMarks } from "./measure/Measures";
 import { hit, normalOf as faceNormal } from "./measure/solid";
@@ -378,7 +379,21 @@ export function Beside({ page }: { page: Page }) {
       isOld = true;
     };
   }, [currentPicture, slice, isSliced, height]);
+  const [isLive, setLive] = useState(false);
+  const isTraced = kind === "traced";
+  const isCurrent = currentPicture?.view === state.view && currentPicture.bench === state.bench;
   const { bound, overshade } = currentPicture?.report.certificate ?? {};
+  const still = (
+    <canvas
+      ref={canvas}
+      class="field-picture"
+      role="img"
+      aria-label={`${words.beside}: ${words.besides[kind]}`}
+      hidden={isSliced ? !slice : !currentPicture && !(isTraced && isLive)}
+      width={720}
+      height={480}
+    />
+  );
   return (
     <figure class="field-pane">
       <Choice
@@ -388,15 +403,13 @@ export function Beside({ page }: { page: Page }) {
         options={besides(state.bench).map((value) => ({ value, label: words.besides[value] }))}
         choose={(next) => control?.besides(next)}
       />
-      <canvas
-        ref={canvas}
-        class="field-picture"
-        role="img"
-        aria-label={`${words.beside}: ${words.besides[kind]}`}
-        hidden={isSliced ? !slice : !currentPicture}
-        width={720}
-        height={480}
-      />
+      {isTraced ? (
+        <LiveField page={page} isCurrent={isCurrent} drawn={setLive}>
+          {still}
+        </LiveField>
+      ) : (
+        still
+      )}
       {isSliced && slice && (
         <Slider
           id="slice"

@@ -58,6 +58,9 @@ const LEFT_AFTER = { seconds: 2, percent: 3 };
 const SHOWN_FIRST = 1e6;
 /** The command's exit code for an unknown option. */
 const USAGE = 2;
+/** The code of a refusal: a field that is no expression has no program. */
+const UNSUPPORTED = "unsupported";
+const SHADER = "field.glsl";
 /** The largest total size of opened files. Chosen: a browser holds several copies of them in memory. */
 const MOST_BYTES = 600e6;
 /** The initial distance from the centre of the box to the eye, in diagonals. */
@@ -94,6 +97,7 @@ export class Controller {
       running: [],
       beside: "traced",
       picture: null,
+      field: null,
       slice: null,
       levels: null,
       trace: null,
@@ -390,6 +394,7 @@ export class Controller {
       this.jobs.cancel("draft");
       if (isMesh(current) && (current.files[current.name]?.length ?? 0) > SHOWN_FIRST) void this.showFirst(current);
     }
+    void this.shade();
     // During a drag there are only drafts: a proof would be of an older number before it ends.
     if (isDragging) {
       this.jobs.cancel("proof");
@@ -438,6 +443,28 @@ export class Controller {
     const { ended, bench: current } = this.state;
     if (ended === current) void this.proveOlder(current);
   }
+
+  /** Asks for the field in GLSL. Runs follow one another like drafts, so that the picture follows a drag. */
+  private async shade(): Promise<void> {
+    if (this.isShading || !this.isBesideShown) return;
+    this.isShading = true;
+    try {
+      while (this.shadedOf !== this.state.bench) {
+        const { bench: current } = this.state;
+        this.shadedOf = current;
+        // A script with a mistake keeps the picture of the last one that worked; another file does not.
+        if (this.state.field && this.state.field.bench.name !== current.name) this.update({ field: null });
+        const outcome = isScript(current) ? await this.run("field", ["convert", ...reading(current), SHADER, "--force"], current.files, true) : null;
+        const bytes = outcome?.outputs[SHADER];
+        if (bytes) this.update({ field: { bench: current, source: new TextDecoder().decode(bytes) } });
+        else if (outcome && reportOf(outcome).error?.code === UNSUPPORTED) this.update({ field: null });
+      }
+    } finally {
+      this.isShading = false;
+    }
+  }
+  private isShading = false;
+  private shadedOf: Bench | null = null;
 
   private async prove(): Promise<void> {
     const { bench: current } = this.state;
@@ -570,7 +597,9 @@ export class Controller {
   showBeside(isShown: boolean): void {
     if (this.isBesideShown === isShown) return;
     this.isBesideShown = isShown;
-    if (isShown) this.schedule("picture", () => void this.draw());
+    if (!isShown) return;
+    void this.shade();
+    this.schedule("picture", () => void this.draw());
   }
   private isBesideShown = false;
 
@@ -599,7 +628,7 @@ export class Controller {
     const png = madeBy(outcome, run.line)?.["picture.png"];
     this.drawnOf = kind === "traced" ? current : shown;
     if (!png) return this.update({ fault: faultOf(outcome) });
-    this.update({ picture: { kind, png, report: reportOf(outcome) } });
+    this.update({ picture: { kind, png, report: reportOf(outcome), bench: current, view } });
   }
 
   /** Runs a line. If the verb does not know an option of the bench, runs it again without. Returns the line that was run. */

@@ -14,6 +14,9 @@ export interface PictureOf {
   kind: PictureKind;
   png: Uint8Array;
   report: Report;
+  /** What it shows, and from where. */
+  bench: Bench;
+  view: View;
 }
 
 /** The pictures that an input can have. Distances are measured between triangles, so for a field only the bound is known. */

@@ -17,7 +17,7 @@ export interface Running extends Progress {
 }
 
 export type LaneName =
-  | "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "verify" | "language" | "trace" | "faults";
+  | "draft" | "proof" | "inspect" | "picture" | "field" | "slice" | "levels" | "step" | "export" | "verify" | "language" | "trace" | "faults";
 
 /** The mesh that is shown. */
 export interface Shown {
@@ -56,6 +56,8 @@ export interface State {
   /** The chosen picture beside the mesh, and its pixels. */
   beside: Beside;
   picture: PictureOf | null;
+  /** The script's field in GLSL, if it has one; it may be of an older script while the newest is evaluated. */
+  field: { bench: Bench; source: string } | null;
   slice: Slice | null;
   levels: Levels | null;
   /** The faces by the calls of the script that made them, if that was asked. */

@@ -7,6 +7,8 @@ declare global {
   var dualsAt: (source: string, points: number[]) => number[];
   /** The field alone at points. */
   var valuesAt: (source: string, points: number[]) => number[];
+  /** Four numbers of an expression of `p`, at points. */
+  var evaluated: (source: string, of: string, points: number[]) => number[];
   /** The bytes of a picture; `null` if the field cannot be drawn. */
   var pictureOf: (source: string, view: View, light: FieldLayer["light"]) => Promise<number[] | null>;
   /** The bytes of an encoded picture. */
@@ -19,8 +21,8 @@ declare global {
   var said: boolean[];
 }
 
-/** Evaluates an expression of `p` at points, one a pixel. */
-function evaluated(source: string, of: string, points: number[]): number[] {
+/** Evaluates at points, one a pixel. */
+globalThis.evaluated = (source, of, points) => {
   const canvas = document.createElement("canvas");
   const gl = canvas.getContext("webgl2")!;
   if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("no float targets");
@@ -68,7 +70,7 @@ function evaluated(source: string, of: string, points: number[]): number[] {
   gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, read);
   gl.getExtension("WEBGL_lose_context")?.loseContext();
   return [...read.subarray(0, 4 * n)];
-}
+};
 
 const nameOf = (source: string) => /^const vec3 (\w+)_low/m.exec(source)![1]!;
 globalThis.dualsAt = (source, points) => evaluated(source, `${nameOf(source)}_dual(p)`, points);
