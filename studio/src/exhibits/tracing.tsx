@@ -1,12 +1,16 @@
 // Sphere tracing, step by step: the value is the distance that a ray may safely advance.
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { Figure as Data, Slider } from "../view/parts";
+import { type Picture, type View, fieldProgram, rampStops } from "../viewer";
 import { Chart, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, path, toSvg } from "./Flat";
 import { number, point } from "./fragment";
 import { px } from "./Grip";
+import { PAINT } from "./paint";
 import { type Loops, type Region, Regions, outline } from "./Regions";
 import type { Language } from "./say";
+import { Scene } from "./Scene";
 
 interface State {
   aim: Point;
@@ -21,6 +25,8 @@ interface Answer {
   steps: { at: Point; t: number; value: number }[];
   end: "arrived" | "passed" | "stopped";
   fan: [deg: number, steps: number][];
+  /** A scene in space, as a program for the graphics card. */
+  shader: string;
 }
 
 /** With more circles than this, the last ones are too small to distinguish. */
@@ -41,6 +47,9 @@ interface Texts extends CommonTexts {
   fan: string;
   fanX: string;
   fanY: string;
+  space: string;
+  spaceSays: string;
+  scale: string;
 }
 
 const texts: Record<Language, Texts> = {
@@ -59,6 +68,9 @@ const texts: Record<Language, Texts> = {
     fan: "Steps by the direction of the ray",
     fanX: "degrees upward",
     fanY: "steps",
+    space: "The same in space: one ray for every pixel",
+    spaceSays: "Your graphics card traces this picture anew while you turn it. The lighter a pixel, the more steps its ray took: outlines glow.",
+    scale: "steps, from 1 to 120 and more",
     story: [
       "The value of a distance field is *a safe step*: the circle of that radius contains no surface. So the ray leaps to its rim without a check, evaluates the field again there, and leaps again. *A ray that grazes* a surface stays close to it for long, and close means short steps: most of the time is spent along outlines.",
       "No triangle is tested, and nothing is sorted. The value may also be less than the distance, as it is inside a boolean: the leaps are shorter, and still no surface is skipped. Too large a value would miss thin parts.",
@@ -84,6 +96,9 @@ const texts: Record<Language, Texts> = {
     fan: "步数随射线方向的变化",
     fanX: "仰角（度）",
     fanY: "步数",
+    space: "空间中也一样：每个像素一条射线",
+    spaceSays: "转动时，这幅画面由您的显卡实时追踪。像素越亮，它的射线走的步数越多：发亮的正是轮廓。",
+    scale: "步数：从 1 到 120 及以上",
     story: [
       "距离场的值就是*一步安全的步长*：以它为半径的圆内没有表面。所以射线可以直接跳到圆周，在那里再问一次，再跳。*掠过*表面的射线长时间贴近它，贴近就意味着步子短：时间都花在每一条轮廓线上。",
       "不必问任何三角形，也不必排序。值也可以小于距离，例如布尔运算的内部：步子变短，但不会跳过任何东西。值若偏大，就会漏掉薄的部分。",
@@ -134,6 +149,33 @@ function Figure({ page }: { page: Page }) {
 /** Keeps the point in front of the eye, so that the ray has a direction. */
 const inFrontOf = ([x, y]: Point, eye: Point): Point => [Math.max(x, Math.round((eye[0] + 0.6) * 100) / 100), y];
 
+const HOME: View = { azimuth: -62, elevation: 24, distance: 8.5, target: [0, 0, 0] };
+
+/** The scene in space. Without script, on paper and without WebGL 2 it is left out. */
+function Space({ shader, texts }: { shader: string; texts: Texts }) {
+  const [view, setView] = useState(HOME);
+  const [isPossible, setPossible] = useState(true);
+  const fail = useRef((isDrawn: boolean) => setPossible(isDrawn));
+  const picture = useMemo<Picture>(
+    () => ({ layers: [{ kind: "field", id: "space", program: fieldProgram(shader), paint: PAINT.front, light: "steps", drawn: fail.current }] }),
+    [shader],
+  );
+  return (
+    <figure class="in-space" hidden={!isPossible}>
+      <figcaption id="space-hint">
+        <b>{texts.space}</b> {texts.spaceSays}
+      </figcaption>
+      <Scene name={texts.space} help="space-hint" picture={picture} view={view} home={HOME} look={setView} isStill={false} />
+      <svg class="ramp-scale" viewBox="0 0 80 6" preserveAspectRatio="none" aria-hidden="true">
+        {rampStops("heat").map((color, i) => (
+          <rect key={i} x={10 * i} width={10.2} height={6} fill={color} />
+        ))}
+      </svg>
+      <p class="aside">{texts.scale}</p>
+    </figure>
+  );
+}
+
 function liveNumber(page: Page): LiveNumber {
   const { answer, texts, say } = page;
   const n = last(page);
@@ -149,6 +191,11 @@ function liveNumber(page: Page): LiveNumber {
 
 function Panel({ page }: { page: Page }) {
   const { state, answer, texts, say, set } = page;
+  // After the first rendering, which has to equal the page as it was built.
+  const [isLive, setLive] = useState(false);
+  useEffect(() => setLive(!page.isStill), []);
+  // The same element while a ray is dragged, so that the scene is not traced again.
+  const space = useMemo(() => isLive && <Space shader={answer.shader} texts={texts} />, [isLive, answer.shader, texts]);
   const n = last(page);
   const step = answer.steps[n]!;
   const deg = (Math.atan2(state.aim[1] - answer.eye[1], state.aim[0] - answer.eye[0]) * 180) / Math.PI;
@@ -198,6 +245,7 @@ function Panel({ page }: { page: Page }) {
           </>
         )}
       </Chart>
+      {space}
     </>
   );
 }

@@ -2,11 +2,12 @@
 use super::answer::ExhibitAnswer;
 use super::plane::{Region, below, loops, once, or_text, outline, raised, regions};
 use super::request::ExhibitRequest;
+use chordal::convert::shader::field_to_shader;
 use chordal::explicit::Polyline;
 use chordal::implicit::Field;
 use chordal::implicit::evaluation::Tape;
 use chordal::implicit::query::{Beam, SphereTrace, SphereTraceEnd, sphere_trace};
-use chordal::implicit::shapes::{circle, rounded_rectangle, segment};
+use chordal::implicit::shapes::{capsule, circle, cuboid, cylinder, rounded_rectangle, segment, sphere};
 use serde_json::json;
 use std::sync::OnceLock;
 
@@ -52,6 +53,7 @@ pub(super) fn tracing(request: &ExhibitRequest) -> Result<ExhibitAnswer, String>
             SphereTraceEnd::Stopped => "stopped",
         },
         "fan": scenery.fan,
+        "shader": scenery.shader,
     });
     Ok(answer)
 }
@@ -62,6 +64,8 @@ struct Scenery {
     outline: Vec<Polyline<2>>,
     /// Directions in degrees, with their numbers of steps.
     fan: Vec<(f64, usize)>,
+    /// Shapes in space for the graphics processor.
+    shader: String,
 }
 
 fn scenery(shape: &Field) -> Result<Scenery, String> {
@@ -73,7 +77,9 @@ fn scenery(shape: &Field) -> Result<Scenery, String> {
         fan.push((deg, traced(&tape, [cos, sin])?.steps.len()));
     }
     let levels = below(shape.expr(), &[2.0, 1.5, 1.0, 0.5], 0.125)?;
-    Ok(Scenery { levels, outline: outline(shape, 0.002)?, fan }) // chosen: below a pixel of the figure
+    let shader = or_text(field_to_shader(&solids()?, "shapes"))?.source;
+    let outline = outline(shape, 0.002)?; // chosen: below a pixel of the figure
+    Ok(Scenery { levels, outline, fan, shader })
 }
 
 fn traced(tape: &Tape, [x, y]: [f64; 2]) -> Result<SphereTrace, String> {
@@ -87,6 +93,15 @@ fn shapes() -> Result<Field, String> {
     let wall = or_text(or_text(rounded_rectangle([1.5, 3.4], 0.25))?.moved([10.3, 4.0, 0.0]))?;
     let bar = or_text(segment([3.6, 1.6], [7.4, 2.5], 0.45))?;
     Ok(ball.union(&wall).union(&bar))
+}
+
+/// A wall with a hole, a ball and a bar in space.
+fn solids() -> Result<Field, String> {
+    let hole = or_text(or_text(cylinder(0.75, 2.0))?.rotated_deg([1.0, 0.0, 0.0], 90.0))?;
+    let wall = or_text(or_text(cuboid([3.0, 0.7, 2.6]))?.difference(&hole).moved([0.0, 1.2, 0.0]))?;
+    let ball = or_text(or_text(sphere(0.8))?.moved([-0.9, -0.7, -0.5]))?;
+    let bar = or_text(capsule([-0.1, -1.5, -1.0], [1.5, 0.0, -0.2], 0.3))?;
+    Ok(wall.union(&ball).union(&bar))
 }
 
 #[cfg(test)]
