@@ -11,37 +11,47 @@ interface GripProps {
   /** Its position, in the units of the SVG. */
   at: readonly [number, number];
   isStill: boolean;
+  /** The radius of the area that can be grabbed; smaller where handles are close together. */
+  reach?: number;
+  /** Drawn smaller and paler. */
+  isFaint?: boolean;
   /** The only direction in which it moves, in degrees clockwise from up; shown as a double arrow. */
   along?: number;
   /** Called at the start of a drag; the returned function is called with the pointer's way since then. */
   grab(): (dx: number, dy: number) => void;
   /** Called for keys, with steps to the right and up; `Home` and `End` are −∞ and ∞. */
   step(right: number, up: number): void;
+  /** Called for Page Up and Page Down instead of `step`, with steps away from the eye. */
+  deepen?(away: number): void;
+  /** Called if it gets the focus, also at the start of a drag. */
+  chosen?(): void;
 }
 
 /** Steps of the arrow keys: usual, with Shift, and of Page Up and Page Down. */
 const STEP = { usual: 1, small: 0.1, large: 10 } as const;
 
-export function Grip({ name, spoken, now, low, high, at, isStill, along, grab, step }: GripProps) {
+export function Grip(props: GripProps) {
+  const { name, spoken, now, low, high, at, isStill, reach = 24, isFaint = false, along, grab, chosen } = props;
   const picture = (
     <>
       {along !== undefined && (
         <path class="along" d="M0-28V-13M-5-22L0-28L5-22M0 28V13M-5 22L0 28L5 22" transform={`rotate(${Math.round(along)})`} />
       )}
-      <circle class="dot" r={8} />
+      <circle class="dot" r={isFaint ? 6 : 8} />
     </>
   );
   const transform = `translate(${px(at[0])} ${px(at[1])})`;
+  const look = isFaint ? "grip faint" : "grip";
   if (isStill) {
     return (
-      <g class="grip" transform={transform} aria-hidden="true">
+      <g class={look} transform={transform} aria-hidden="true">
         {picture}
       </g>
     );
   }
   return (
     <g
-      class="grip"
+      class={look}
       role="slider"
       tabindex={0}
       aria-label={name}
@@ -50,16 +60,17 @@ export function Grip({ name, spoken, now, low, high, at, isStill, along, grab, s
       aria-valuenow={now}
       aria-valuetext={spoken}
       transform={transform}
-      onKeyDown={(event) => keyed(event, step)}
+      onFocus={chosen}
+      onKeyDown={(event) => keyed(event, props)}
       onPointerDown={(event) => follow(event, grab)}
     >
-      <circle class="reach" r={24} />
+      <circle class="reach" r={reach} />
       {picture}
     </g>
   );
 }
 
-function keyed(event: KeyboardEvent, step: GripProps["step"]) {
+function keyed(event: KeyboardEvent, { step, deepen }: GripProps) {
   if (event.ctrlKey || event.altKey || event.metaKey) return;
   const size = event.shiftKey ? STEP.small : STEP.usual;
   const moves: Record<string, readonly [number, number]> = {
@@ -77,7 +88,8 @@ function keyed(event: KeyboardEvent, step: GripProps["step"]) {
   event.preventDefault();
   // The same keys turn the scene behind it.
   event.stopPropagation();
-  step(...move);
+  if (deepen && event.key.startsWith("Page")) deepen(event.key === "PageUp" ? size : -size);
+  else step(...move);
 }
 
 function follow(event: TargetedPointerEvent<SVGGElement>, grab: GripProps["grab"]) {
@@ -87,6 +99,8 @@ function follow(event: TargetedPointerEvent<SVGGElement>, grab: GripProps["grab"
   const svg = grip.ownerSVGElement!;
   const ratio = svg.viewBox.baseVal.width / svg.getBoundingClientRect().width || 1;
   grip.setPointerCapture(event.pointerId);
+  // Not every browser focuses an element of an SVG by a touch.
+  grip.focus({ preventScroll: true });
   const pointer = event.pointerId;
   const start = [event.clientX, event.clientY] as const;
   const moved = grab();

@@ -79,6 +79,8 @@ export interface Projector {
   ray(x: number, y: number): Vec3;
   /** The point at which that ray begins: the eye, except in parallel projection. */
   origin(x: number, y: number): Vec3;
+  /** A point after a move in the plane of the view by pixels to the right and down, and by a length away from the eye. */
+  moved(point: Vec3, dx: number, dy: number, away?: number): Vec3;
   eye: Vec3;
   /** Pixels per unit of length at a depth. */
   scale(depth: number): number;
@@ -100,6 +102,10 @@ export function projector(view: View, size: Size): Projector {
       const from = minus(point, eye);
       const depth = -dot(from, back);
       return [x0 + dot(from, right) * scale(depth), y0 - dot(from, up) * scale(depth), depth];
+    },
+    moved: (point, dx, dy, away = 0) => {
+      const depth = -dot(minus(point, eye), back);
+      return plus(plus(plus(point, right, dx / scale(depth)), up, -dy / scale(depth)), back, -away);
     },
     ray: (x, y) => (isParallel ? plus([0, 0, 0], back, -1) : unit(plus(across(x, y, 1 / f), back, -1))),
     origin: (x, y) => (isParallel ? plus(eye, across(x, y, distance / f)) : eye),
