@@ -16,9 +16,10 @@ export const path = (points: readonly Point[], isClosed = true) => `M${points.ma
 /** The path of a cubic Bézier curve, from its control points. */
 export const cubic = ([a, b, c, d]: readonly [Point, Point, Point, Point]) => `M${at(a)}C${at(b)} ${at(c)} ${at(d)}`;
 
-/** The nearest point inside the figure, in hundredths, as the address stores it. */
-export function kept([x, y]: Point): Point {
-  const within = (value: number, most: number) => Math.round(Math.min(Math.max(value, 0.3), most - 0.3) * 100) / 100;
+/** The nearest point inside the figure on a lattice: in hundredths, as the address stores it. */
+export function kept([x, y]: Point, lattice = 0.01): Point {
+  const steps = Math.round(1 / lattice);
+  const within = (value: number, most: number) => Math.min(Math.max(Math.round(value * steps), Math.ceil(0.3 * steps)), Math.floor((most - 0.3) * steps)) / steps;
   return [within(x, FLAT.width), within(y, FLAT.height)];
 }
 
@@ -74,11 +75,18 @@ interface DotProps {
   spoken: string;
   place: Point;
   isStill: boolean;
+  /** The distance of the places that it can have; a hundredth of a unit by default. */
+  lattice?: number;
+  isFaint?: boolean;
+  /** The radius of the area that can be grabbed. */
+  reach?: number;
   move(change: (from: Point) => Point): void;
+  chosen?(): void;
 }
 
 /** A point of the plane that can be dragged. */
-export function Dot({ name, spoken, place, isStill, move }: DotProps) {
+export function Dot({ name, spoken, place, isStill, lattice = 0.01, isFaint, reach, move, chosen }: DotProps) {
+  const step = Math.max(2 * GRID, lattice);
   return (
     <Grip
       name={name}
@@ -88,8 +96,11 @@ export function Dot({ name, spoken, place, isStill, move }: DotProps) {
       high={FLAT.width}
       at={toSvg(place)}
       isStill={isStill}
-      grab={() => (dx, dy) => move(() => kept([place[0] + dx / SCALE, place[1] - dy / SCALE]))}
-      step={(right, up) => move(([x, y]) => kept([x + right * 2 * GRID, y + (Math.abs(up) === Infinity ? 0 : up * 2 * GRID)]))}
+      grab={() => (dx, dy) => move(() => kept([place[0] + dx / SCALE, place[1] - dy / SCALE], lattice))}
+      step={(right, up) => move(([x, y]) => kept([x + right * step, y + (Math.abs(up) === Infinity ? 0 : up * step)], lattice))}
+      {...(isFaint === undefined ? {} : { isFaint })}
+      {...(reach === undefined ? {} : { reach })}
+      {...(chosen ? { chosen } : {})}
     />
   );
 }

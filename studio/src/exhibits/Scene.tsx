@@ -56,6 +56,8 @@ interface SceneProps {
   home: View;
   look(view: View): void;
   isStill: boolean;
+  /** Whether the view is not the reader's to turn, such as that of a camera on a path. */
+  isFixed?: boolean;
   pulls?: readonly Pull[];
   /** Called after a press without a drag. */
   tap?(at: Projector, x: number, y: number): void;
@@ -68,7 +70,7 @@ interface SceneProps {
 }
 
 export function Scene(props: SceneProps) {
-  const { name, help, picture, view, isStill, pulls, over, shift } = props;
+  const { name, help, picture, view, isStill, isFixed, pulls, over, shift } = props;
   const scope = useContext(Scope);
   const isAwake = useContext(Awake);
   const root = useRef<HTMLDivElement>(null);
@@ -93,7 +95,7 @@ export function Scene(props: SceneProps) {
     const sizeObserver = new ResizeObserver(measure);
     sizeObserver.observe(element);
     measure();
-    const free = (latest.current.steer ?? control)(element, {
+    const camera: Camera = {
       view: () => latest.current.view,
       size: () => latestSize.current,
       get home() {
@@ -105,7 +107,8 @@ export function Scene(props: SceneProps) {
         latest.current.look(view);
       },
       tap: (x, y) => latest.current.tap?.(projector(latest.current.view, latestSize.current), x, y),
-    });
+    };
+    const free = latest.current.isFixed ? () => undefined : (latest.current.steer ?? control)(element, camera);
     return () => {
       sizeObserver.disconnect();
       free();
@@ -176,7 +179,7 @@ export function Scene(props: SceneProps) {
   const scale = Math.min(size.width / STILL.width, size.height / STILL.height);
   const [left, top] = [0.5 * (size.width - scale * STILL.width), 0.5 * (size.height - scale * STILL.height)];
   return (
-    <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": scope + help })} role="group" aria-label={name}>
+    <div class="scene" ref={root} {...(isStill || isFixed ? {} : { tabindex: 0, "aria-describedby": scope + help })} role="group" aria-label={name}>
       <div class="gl" ref={stage} />
       <svg data-figure viewBox={`0 0 ${size.width} ${size.height}`} aria-hidden={isStill ? "true" : undefined}>
         <g stroke-linecap="round" stroke-linejoin="round" fill="none">

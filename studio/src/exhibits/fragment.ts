@@ -113,6 +113,25 @@ export function point(xs: readonly [number, number], ys: readonly [number, numbe
   };
 }
 
+/** Points of D coordinates within these ranges, in hundredths; from `least` to `most` of them. */
+export function points<P extends readonly number[]>(
+  least: number,
+  most: number,
+  ranges: readonly (readonly [number, number])[],
+): Part<readonly P[]> {
+  const axes = ranges.map((range) => number(...range, 100));
+  const width = axes.length;
+  return {
+    write: (places) => places.map((place) => place.map((x, k) => axes[k]!.write(x)).join(",")).join(","),
+    read: (text) => {
+      const values = text.split(",").map((word, i) => axes[i % width]!.read(word));
+      const count = values.length / width;
+      if (values.includes(undefined) || !Number.isInteger(count) || count < least || count > most) return undefined;
+      return Array.from({ length: count }, (_, i) => values.slice(i * width, (i + 1) * width)) as unknown as P[];
+    },
+  };
+}
+
 /** A view, as six numbers. */
 export const view: Part<View> = {
   write: ({ azimuth, elevation, distance, target }) =>

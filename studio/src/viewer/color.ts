@@ -3,10 +3,11 @@ import type { MeshLayer, RampName } from "./layers";
 
 export type Rgb = readonly [number, number, number];
 
-/** Eight steps of cividis and of magma: readable with colour-blindness and in grey. */
+/** Eight steps of cividis and of magma, and from the paint of a surface to a dark orange: readable with colour-blindness and in grey. */
 const RAMPS: Record<RampName, readonly string[]> = {
   deviation: ["#00224e", "#213c6e", "#4a556c", "#6c6e72", "#8f8978", "#b4a56c", "#dac550", "#fee838"],
   heat: ["#000004", "#231151", "#5f187f", "#982d80", "#d3436e", "#f8765c", "#febb81", "#fcfdbf"],
+  share: ["#dfe7f1", "#e9d8cc", "#f1c4a0", "#f4ab76", "#ee8e52", "#e06e34", "#c84f1e", "#a03810"],
 };
 
 export function hex(text: string): Rgb {

@@ -127,4 +127,4 @@ export interface Picture {
   section?: Section;
 }
 
-export type RampName = "deviation" | "heat";
+export type RampName = "deviation" | "heat" | "share";

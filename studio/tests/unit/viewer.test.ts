@@ -39,6 +39,14 @@ test("the target is in the middle, z is up, and a ray through a projected point 
   }
 });
 
+test("a point moved in the plane of the view is under the pointer, as deep as before, and deepens along the line of sight", () => {
+  const at = projector(VIEW, SIZE);
+  const [x, y, depth] = at.to([0.4, -0.7, 0.3]);
+  const [mx, my, still] = at.to(at.moved([0.4, -0.7, 0.3], 35, -12));
+  expect([mx, my, still]).toEqual([expect.closeTo(x + 35, 9), expect.closeTo(y - 12, 9), expect.closeTo(depth, 9)]);
+  expect(at.to(at.moved([0.4, -0.7, 0.3], 0, 0, 0.5))[2]).toBeCloseTo(depth + 0.5, 9);
+});
+
 test("turning keeps the distance and stops before the poles; zoom keeps its range; a pan follows the pointer", () => {
   const high = turned(VIEW, 10, 10_000);
   expect(high.elevation).toBe(89);
