@@ -44,6 +44,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./inside"),
   },
   {
+    id: "pixels",
+    part: 1,
+    title: { en: "Three signs for every pixel", zh: "每个像素问三个符号" },
+    claim: {
+      en: "A pixel is filled if its centre is on the same side of all three edges; on a shared edge a rule picks one owner.",
+      zh: "像素中心在三条边的同一侧就填充；落在公共边上，由规则指定归谁。",
+    },
+    load: () => import("./pixels"),
+  },
+  {
     id: "weights",
     part: 1,
     title: { en: "Three weights", zh: "三个权重" },

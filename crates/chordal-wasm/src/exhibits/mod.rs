@@ -17,6 +17,7 @@ mod normals;
 mod one_cube;
 mod overshade;
 mod picture_pair;
+mod pixels;
 mod plane;
 mod quad;
 mod questions;
@@ -68,6 +69,7 @@ exhibits! {
     "quad" => quad::quad(&request),
     "inside" => inside::inside(&request),
     "weights" => weights::weights(&request),
+    "pixels" => pixels::pixels(&request),
     "indexed" => indexed::indexed(&request),
     "normals" => normals::normals(&request),
     "culling" => culling::culling(&request),
@@ -139,6 +141,10 @@ mod tests {
             (r#"{"exhibit": "levels", "distance": 0}"#, "distance"),
             (r#"{"exhibit": "overshade", "side": 0.01}"#, "side"),
             (r#"{"exhibit": "budget", "shape": "cow", "step": 1}"#, "shape"),
+            (
+                r#"{"exhibit": "pixels", "corners": [[0, 0], [1, 0], [0, 1]], "colors": [], "columns": 12}"#,
+                "colors",
+            ),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
