@@ -64,6 +64,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./weights"),
   },
   {
+    id: "fan",
+    part: 1,
+    title: { en: "Any polygon, n − 2 triangles", zh: "任意多边形，n − 2 个三角形" },
+    claim: {
+      en: "Whichever diagonals you choose, a polygon of n corners gives n − 2 triangles.",
+      zh: "不管选哪几条对角线，n 个顶点的多边形总是剖成 n − 2 个三角形。",
+    },
+    load: () => import("./fan"),
+  },
+  {
     id: "indexed",
     part: 2,
     title: { en: "Store each corner once", zh: "每个顶点只存一次" },

@@ -8,6 +8,7 @@ mod cracks;
 mod csg;
 mod culling;
 mod doctor;
+mod fan;
 mod field;
 mod indexed;
 mod inside;
@@ -70,6 +71,7 @@ exhibits! {
     "inside" => inside::inside(&request),
     "weights" => weights::weights(&request),
     "pixels" => pixels::pixels(&request),
+    "fan" => fan::fan(&request),
     "indexed" => indexed::indexed(&request),
     "normals" => normals::normals(&request),
     "culling" => culling::culling(&request),
@@ -145,6 +147,7 @@ mod tests {
                 r#"{"exhibit": "pixels", "corners": [[0, 0], [1, 0], [0, 1]], "colors": [], "columns": 12}"#,
                 "colors",
             ),
+            (r#"{"exhibit": "fan", "points": [[0, 0], [1, 0], [0, 1]], "apex": 3, "cuts": []}"#, "apex"),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
