@@ -84,6 +84,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./indexed"),
   },
   {
+    id: "cross",
+    part: 2,
+    title: { en: "Two edges, one normal", zh: "两条边，一条法线" },
+    claim: {
+      en: "The cross product of two edges gives the normal, the area and the side at once.",
+      zh: "两条边的叉积，一次给出法线、面积和正反面。",
+    },
+    load: () => import("./cross"),
+  },
+  {
     id: "normals",
     part: 2,
     title: { en: "Where normals live", zh: "法线放在哪里" },

@@ -5,6 +5,7 @@ mod bernstein;
 mod budget;
 mod cage;
 mod cracks;
+mod cross;
 mod csg;
 mod culling;
 mod doctor;
@@ -73,6 +74,7 @@ exhibits! {
     "pixels" => pixels::pixels(&request),
     "fan" => fan::fan(&request),
     "indexed" => indexed::indexed(&request),
+    "cross" => cross::cross(&request),
     "normals" => normals::normals(&request),
     "culling" => culling::culling(&request),
     "doctor" => doctor::doctor(&request),
@@ -148,6 +150,7 @@ mod tests {
                 "colors",
             ),
             (r#"{"exhibit": "fan", "points": [[0, 0], [1, 0], [0, 1]], "apex": 3, "cuts": []}"#, "apex"),
+            (r#"{"exhibit": "cross", "corners": [[0, 0, 0]], "eye": [0, 0, 1]}"#, "corners"),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
