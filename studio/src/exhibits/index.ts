@@ -104,6 +104,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./normals"),
   },
   {
+    id: "tangent",
+    part: 2,
+    title: { en: "The third arrow", zh: "第三支箭头" },
+    claim: {
+      en: "Texture coordinates decide the tangent, and a mirrored texture has the other hand.",
+      zh: "纹理坐标决定切线；纹理一镜像，手性就反过来。",
+    },
+    load: () => import("./tangent"),
+  },
+  {
     id: "culling",
     part: 2,
     title: { en: "Which way round", zh: "环绕方向" },

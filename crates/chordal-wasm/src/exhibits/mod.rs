@@ -29,6 +29,7 @@ mod runge;
 mod segments;
 mod shapes;
 mod squares;
+mod tangent;
 mod tracing;
 mod weights;
 
@@ -76,6 +77,7 @@ exhibits! {
     "indexed" => indexed::indexed(&request),
     "cross" => cross::cross(&request),
     "normals" => normals::normals(&request),
+    "tangent" => tangent::tangent(&request),
     "culling" => culling::culling(&request),
     "doctor" => doctor::doctor(&request),
     "bernstein" => bernstein::bernstein(&request),
@@ -151,6 +153,7 @@ mod tests {
             ),
             (r#"{"exhibit": "fan", "points": [[0, 0], [1, 0], [0, 1]], "apex": 3, "cuts": []}"#, "apex"),
             (r#"{"exhibit": "cross", "corners": [[0, 0, 0]], "eye": [0, 0, 1]}"#, "corners"),
+            (r#"{"exhibit": "tangent", "corners": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "uv": [[0, 0]]}"#, "uv"),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
