@@ -174,6 +174,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./cracks"),
   },
   {
+    id: "patch",
+    part: 3,
+    title: { en: "Sixteen points, one surface", zh: "十六个点，一张曲面" },
+    claim: {
+      en: "A patch is a curve whose four points slide along four curves; sixteen weights sum to one.",
+      zh: "曲面片是一条曲线：它的四个控制点沿四条曲线滑动；十六个权重总和为一。",
+    },
+    load: () => import("./patch"),
+  },
+  {
     id: "cage",
     part: 3,
     title: { en: "From cage to limit", zh: "从控制网格到极限曲面" },

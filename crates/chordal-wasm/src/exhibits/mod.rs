@@ -18,6 +18,7 @@ mod levels;
 mod normals;
 mod one_cube;
 mod overshade;
+mod patch;
 mod picture_pair;
 mod pixels;
 mod plane;
@@ -83,6 +84,7 @@ exhibits! {
     "bernstein" => bernstein::bernstein(&request),
     "joins" => joins::joins(&request),
     "runge" => runge::runge(&request),
+    "patch" => patch::patch(&request),
     "cracks" => cracks::cracks(&request),
     "cage" => cage::cage(&request),
     "field" => field::field(&request),
@@ -154,6 +156,7 @@ mod tests {
             (r#"{"exhibit": "fan", "points": [[0, 0], [1, 0], [0, 1]], "apex": 3, "cuts": []}"#, "apex"),
             (r#"{"exhibit": "cross", "corners": [[0, 0, 0]], "eye": [0, 0, 1]}"#, "corners"),
             (r#"{"exhibit": "tangent", "corners": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "uv": [[0, 0]]}"#, "uv"),
+            (r#"{"exhibit": "patch", "control": [], "u": 0, "v": 0, "chosen": 0}"#, "control"),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
