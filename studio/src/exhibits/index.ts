@@ -194,6 +194,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./cage"),
   },
   {
+    id: "pull",
+    part: 3,
+    title: { en: "Pull the cage", zh: "拉动控制网格" },
+    claim: {
+      en: "A corner of the cage moves its own part of the surface, by three eighths of the way on a cube.",
+      zh: "网格的一个顶点只牵动自己那部分曲面，在立方体上走八分之三。",
+    },
+    load: () => import("./pull"),
+  },
+  {
     id: "field",
     part: 4,
     title: { en: "A rule instead of a list", zh: "用规则代替列表" },

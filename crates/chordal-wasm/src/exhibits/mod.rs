@@ -22,6 +22,7 @@ mod patch;
 mod picture_pair;
 mod pixels;
 mod plane;
+mod pull;
 mod quad;
 mod questions;
 mod request;
@@ -87,6 +88,7 @@ exhibits! {
     "patch" => patch::patch(&request),
     "cracks" => cracks::cracks(&request),
     "cage" => cage::cage(&request),
+    "pull" => pull::pull(&request),
     "field" => field::field(&request),
     "csg" => csg::csg(&request),
     "tracing" => tracing::tracing(&request),
@@ -157,6 +159,7 @@ mod tests {
             (r#"{"exhibit": "cross", "corners": [[0, 0, 0]], "eye": [0, 0, 1]}"#, "corners"),
             (r#"{"exhibit": "tangent", "corners": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "uv": [[0, 0]]}"#, "uv"),
             (r#"{"exhibit": "patch", "control": [], "u": 0, "v": 0, "chosen": 0}"#, "control"),
+            (r#"{"exhibit": "pull", "corners": [], "creases": [12], "chosen": 0}"#, "corners"),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
