@@ -154,6 +154,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./joins"),
   },
   {
+    id: "spline",
+    part: 3,
+    title: { en: "How far a point reaches", zh: "一个点能管多远" },
+    claim: {
+      en: "A local spline moves four pieces with a point, a smoother one a little of everything.",
+      zh: "局部的样条只随一个点动四段；更光滑的样条，处处都动一点。",
+    },
+    load: () => import("./spline"),
+  },
+  {
     id: "runge",
     part: 3,
     title: { en: "One polynomial or many", zh: "一个多项式还是许多段" },

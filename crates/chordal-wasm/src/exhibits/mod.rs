@@ -30,6 +30,7 @@ mod rivals;
 mod runge;
 mod segments;
 mod shapes;
+mod spline;
 mod squares;
 mod tangent;
 mod tracing;
@@ -84,6 +85,7 @@ exhibits! {
     "doctor" => doctor::doctor(&request),
     "bernstein" => bernstein::bernstein(&request),
     "joins" => joins::joins(&request),
+    "spline" => spline::spline(&request),
     "runge" => runge::runge(&request),
     "patch" => patch::patch(&request),
     "cracks" => cracks::cracks(&request),
@@ -160,6 +162,7 @@ mod tests {
             (r#"{"exhibit": "tangent", "corners": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "uv": [[0, 0]]}"#, "uv"),
             (r#"{"exhibit": "patch", "control": [], "u": 0, "v": 0, "chosen": 0}"#, "control"),
             (r#"{"exhibit": "pull", "corners": [], "creases": [12], "chosen": 0}"#, "corners"),
+            (r#"{"exhibit": "spline", "points": [[0, 0]], "kind": "lines", "chosen": 0}"#, "points"),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
