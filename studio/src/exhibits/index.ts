@@ -154,6 +154,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./joins"),
   },
   {
+    id: "ride",
+    part: 3,
+    title: { en: "Riding along", zh: "坐上去走一趟" },
+    claim: {
+      en: "On a C1 path the acceleration jumps at every joint; on a C2 path it does not.",
+      zh: "C1 路径的加速度每到接点就突变，C2 路径不会。",
+    },
+    load: () => import("./ride"),
+  },
+  {
     id: "spline",
     part: 3,
     title: { en: "How far a point reaches", zh: "一个点能管多远" },

@@ -26,6 +26,7 @@ mod pull;
 mod quad;
 mod questions;
 mod request;
+mod ride;
 mod rivals;
 mod runge;
 mod segments;
@@ -85,6 +86,7 @@ exhibits! {
     "doctor" => doctor::doctor(&request),
     "bernstein" => bernstein::bernstein(&request),
     "joins" => joins::joins(&request),
+    "ride" => ride::ride(&request),
     "spline" => spline::spline(&request),
     "runge" => runge::runge(&request),
     "patch" => patch::patch(&request),
@@ -163,6 +165,7 @@ mod tests {
             (r#"{"exhibit": "patch", "control": [], "u": 0, "v": 0, "chosen": 0}"#, "control"),
             (r#"{"exhibit": "pull", "corners": [], "creases": [12], "chosen": 0}"#, "corners"),
             (r#"{"exhibit": "spline", "points": [[0, 0]], "kind": "lines", "chosen": 0}"#, "points"),
+            (r#"{"exhibit": "ride", "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "kind": "C3"}"#, "kind"),
         ] {
             let (name, _) = ExhibitRequest::parse(question.as_bytes()).unwrap();
             let outcome = outcome(by_name(&name).unwrap(), question.as_bytes());
