@@ -2,8 +2,8 @@
 import { useRef } from "preact/hooks";
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
-import { Flat, type Point, cubic, path, toSvg } from "./Flat";
-import { number, word } from "./fragment";
+import { Dot, FLAT, Flat, type Point, cubic, kept, path, toSvg } from "./Flat";
+import { number, points, word } from "./fragment";
 import { Grip, px } from "./Grip";
 import type { Language } from "./say";
 
@@ -12,6 +12,8 @@ type Form = "arch" | "wave" | "loop";
 
 interface State {
   form: Form;
+  /** How far the control points of the form have been moved. */
+  shifts: readonly Point[];
   t: number;
 }
 
@@ -52,12 +54,21 @@ const FORMS: Record<Form, Four> = {
 };
 const NAMES: readonly Form[] = ["arch", "wave", "loop"];
 const [LOW, HIGH] = [-0.1, 1.1] as const;
-const defaults: State = { form: "arch", t: 0.35 };
+const UNMOVED: readonly Point[] = [
+  [0, 0],
+  [0, 0],
+  [0, 0],
+  [0, 0],
+];
+const defaults: State = { form: "arch", shifts: UNMOVED, t: 0.35 };
+const controlOf = ({ form, shifts }: State) => FORMS[form].map((point, i) => kept([point[0] + shifts[i]![0], point[1] + shifts[i]![1]])) as unknown as Four;
 
 interface Texts extends CommonTexts {
   figure: string;
   handle: string;
   spoken(t: string): string;
+  control(name: string): string;
+  at(x: string, y: string): string;
   form: string;
   forms: Record<Form, string>;
   label: string;
@@ -73,10 +84,12 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point along the curve, or move the slider.{keys} Arrow keys move it, with Shift by small steps; Home and End go beyond the ends.",
+    hint: "Drag the control points, and the point along the curve, or move the slider.{keys} Arrow keys move it, with Shift by small steps; Home and End go beyond the ends.",
     figure: "A cubic curve with its control points, their hull and de Casteljau’s construction",
     handle: "The parameter t",
     spoken: (t) => `t = ${t}`,
+    control: (name) => `Control point P${name}`,
+    at: (x, y) => `x ${x}, y ${y}`,
     form: "Curve",
     forms: { arch: "arch", wave: "wave", loop: "loop" },
     label: "Smallest of the four weights",
@@ -97,10 +110,12 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "沿曲线拖动点，或移动滑块。{keys}方向键移动它，加 Shift 走小步，Home 和 End 到两端之外。",
+    hint: "拖动控制点，或沿曲线拖动圆点，或移动滑块。{keys}方向键移动它，加 Shift 走小步，Home 和 End 到两端之外。",
     figure: "一条三次曲线，带控制点、凸包和德卡斯特里奥算法",
     handle: "参数 t",
     spoken: (t) => `t = ${t}`,
+    control: (name) => `控制点 P${name}`,
+    at: (x, y) => `x ${x}，y ${y}`,
     form: "曲线",
     forms: { arch: "拱形", wave: "波形", loop: "环" },
     label: "四个权重中最小的",
@@ -134,7 +149,7 @@ function counterClockwise([a, b, c]: readonly Point[]): Point[] {
 
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill } = page;
-  const control = FORMS[state.form];
+  const control = controlOf(state);
   const latestPage = useRef(page);
   latestPage.current = page;
   // The triangles of any three points cover the hull. All have the same winding, or overlaps would cancel in the fill.
@@ -166,7 +181,6 @@ function Figure({ page }: { page: Page }) {
         return (
           <g key={i} class={`weighted ${PAINTS[i]} ${weight < 0 ? "negative" : ""}`}>
             <circle class="disc" cx={px(x)} cy={px(y)} r={px(34 * Math.sqrt(Math.min(Math.abs(weight), 1.6)))} />
-            <circle class="control" cx={px(x)} cy={px(y)} r={4.5} />
             <text class="label" x={px(x + dx * far)} y={px(y - dy * far + 6)}>
               P{"₀₁₂₃"[i]}
             </text>
@@ -196,6 +210,25 @@ function Figure({ page }: { page: Page }) {
         }}
         step={(right, up) => set(({ t }) => ({ t: within(t + (right || up) * (Math.abs(right || up) < 1 ? 0.1 : 0.05)) }))}
       />
+      {control.map((place, i) => (
+        <Dot
+          key={i}
+          name={texts.control("₀₁₂₃"[i]!)}
+          spoken={texts.at(say.fixed(place[0]), say.fixed(place[1]))}
+          place={place}
+          isStill={isStill}
+          isFaint
+          reach={18}
+          move={(change) =>
+            set((state) => {
+              const [x, y] = change(controlOf(state)[i]!);
+              const home = FORMS[state.form][i]!;
+              const shift: Point = [Math.round((x - home[0]) * 100) / 100, Math.round((y - home[1]) * 100) / 100];
+              return { shifts: state.shifts.map((old, k) => (k === i ? shift : old)) };
+            })
+          }
+        />
+      ))}
     </Flat>
   );
 }
@@ -284,7 +317,7 @@ function Panel({ page }: { page: Page }) {
         legend={texts.form}
         value={state.form}
         options={NAMES.map((value) => ({ value, label: texts.forms[value] }))}
-        choose={(form) => set({ form })}
+        choose={(form) => set({ form, shifts: UNMOVED })}
       />
     </>
   );
@@ -292,8 +325,12 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { form: ["c", word(...NAMES)], t: ["h", number(LOW, HIGH, 100)] },
-  question: ({ form, t }) => ({ control: FORMS[form], t }),
+  parts: {
+    form: ["c", word(...NAMES)],
+    shifts: ["k", points<Point>(4, 4, [[-FLAT.width, FLAT.width], [-FLAT.height, FLAT.height]])],
+    t: ["h", number(LOW, HIGH, 100)],
+  },
+  question: (state) => ({ control: controlOf(state), t: state.t }),
   texts,
   number: liveNumber,
   Figure,

@@ -2,12 +2,13 @@
 import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
-import { point, word } from "./fragment";
-import { FRAME } from "./frame_texts";
+import { point, points, word } from "./fragment";
 import type { Language } from "./say";
 
 interface State {
   probe: Point;
+  /** A, B and C. */
+  corners: readonly Point[];
   winding: "ccw" | "cw";
 }
 
@@ -23,13 +24,15 @@ interface Answer {
 const A: Point = [2, 1.4];
 const B: Point = [10.2, 2.4];
 const C: Point = [5.4, 7];
-const defaults: State = { probe: [6.2, 3.4], winding: "ccw" };
+const defaults: State = { probe: [6.2, 3.4], corners: [A, B, C], winding: "ccw" };
 /** The corners in the order of the winding. */
-const cornersOf = ({ winding }: State): [Point, Point, Point] => (winding === "ccw" ? [A, B, C] : [A, C, B]);
+const rowsOf = ({ winding }: State) => (winding === "ccw" ? [0, 1, 2] : [0, 2, 1]);
+const cornersOf = (state: State): Point[] => rowsOf(state).map((row) => state.corners[row]!);
 
 interface Texts extends CommonTexts {
   figure: string;
   probe: string;
+  corner(name: string): string;
   at(x: string, y: string): string;
   winding: string;
   ccw: string;
@@ -44,9 +47,10 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: FRAME.en.drag,
+    hint: "Drag the point or a corner.{keys} Arrow keys move them, with Shift by small steps; Page Up and Page Down by large ones.",
     figure: "A triangle, the lines of its three edges, and a point to move",
     probe: "The point",
+    corner: (name) => `Corner ${name}`,
     at: (x, y) => `x ${x}, y ${y}`,
     winding: "The corners run",
     ccw: "counter-clockwise",
@@ -73,9 +77,10 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: FRAME.zh.drag,
+    hint: "拖动测试点或顶点。{keys}方向键移动，加 Shift 走小步，Page Up 和 Page Down 走大步。",
     figure: "一个三角形、三条边所在的直线，以及一个可移动的点",
     probe: "测试点",
+    corner: (name) => `顶点 ${name}`,
     at: (x, y) => `x ${x}，y ${y}`,
     winding: "顶点次序",
     ccw: "逆时针",
@@ -123,8 +128,8 @@ function Figure({ page }: { page: Page }) {
       ))}
       {corners.map((corner, i) => {
         // Away from the middle of the triangle, so that no name is on a side.
-        const [dx, dy] = [corner[0] - 5.9, corner[1] - 3.6];
-        const far = 0.45 / Math.hypot(dx, dy);
+        const [dx, dy] = [0, 1].map((k) => corner[k]! - corners.reduce((sum, other) => sum + other[k]! / 3, 0)) as [number, number];
+        const far = 0.5 / (Math.hypot(dx, dy) || 1);
         const [x, y] = at([corner[0] + dx * far, corner[1] + dy * far - 0.1]).split(" ");
         return (
           <text key={i} class="label" x={x} y={y}>
@@ -139,6 +144,18 @@ function Figure({ page }: { page: Page }) {
         isStill={isStill}
         move={(change) => set(({ probe }) => ({ probe: change(probe) }))}
       />
+      {state.corners.map((corner, i) => (
+        <Dot
+          key={i}
+          name={texts.corner("ABC"[i]!)}
+          spoken={texts.at(say.fixed(corner[0]), say.fixed(corner[1]))}
+          place={corner}
+          isStill={isStill}
+          isFaint
+          reach={20}
+          move={(change) => set(({ corners }) => ({ corners: corners.map((old, k) => (k === i ? change(old) : old)) }))}
+        />
+      ))}
     </Flat>
   );
 }
@@ -215,7 +232,11 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { probe: ["p", point([0, FLAT.width], [0, FLAT.height])], winding: ["w", word("ccw", "cw")] },
+  parts: {
+    probe: ["p", point([0, FLAT.width], [0, FLAT.height])],
+    corners: ["c", points<Point>(3, 3, [[0, FLAT.width], [0, FLAT.height]])],
+    winding: ["w", word("ccw", "cw")],
+  },
   question: (state) => ({ corners: cornersOf(state), point: state.probe }),
   texts,
   number: liveNumber,

@@ -2,8 +2,8 @@
 import { Choice, Figure as Data } from "../view/parts";
 import { type Grey, bitmap } from "./bitmap";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
-import { Flat, type Point, at, cubic, path, toSvg } from "./Flat";
-import { point, word } from "./fragment";
+import { Dot, Flat, type Point, at, cubic, path, toSvg } from "./Flat";
+import { point, points, word } from "./fragment";
 import { Grip, px } from "./Grip";
 import type { Language } from "./say";
 
@@ -13,6 +13,8 @@ type Class = "C0" | "C1" | "C2";
 interface State {
   keep: Class;
   leg: Point;
+  /** The other control points inside: of the first curve, and two of the second, which its class may overrule. */
+  others: readonly Point[];
 }
 
 interface Tooth {
@@ -38,15 +40,25 @@ const HOME: Point = [4.4, 2.6];
 const XS = [3.6, 5.2] as const;
 const YS = [2, 3.2] as const;
 const JOINT: Point = [6, 2.6];
-const firstOf = ({ leg }: State): Four => [[0.8, 0.7], [2.2, 1.4], leg, JOINT];
 /** Chosen so that the curves join with C2 if the first one's leg is at `HOME`. */
-const SECOND: Four = [JOINT, [7.6, 2.6], [8.6, 1.4], [11.2, 0.7]];
+const OTHERS: readonly Point[] = [
+  [2.2, 1.4],
+  [7.6, 2.6],
+  [8.6, 1.4],
+];
+/** The ends stay, since the picture above reaches from one to the other. */
+const firstOf = ({ leg, others }: State): Four => [[0.8, 0.7], others[0]!, leg, JOINT];
+const secondOf = ({ others }: State): Four => [JOINT, others[1]!, others[2]!, [11.2, 0.7]];
+/** Where the others can be: right of the start, left of the end, below the picture. */
+const OTHER_XS = [1, 11] as const;
+const OTHER_YS = [0.4, 3.4] as const;
 const COMB = 2.4;
-const defaults: State = { keep: "C1", leg: [4.2, 2.95] };
+const defaults: State = { keep: "C1", leg: [4.2, 2.95], others: OTHERS };
 
 interface Texts extends CommonTexts {
   figure: string;
   handle: string;
+  other(name: string): string;
   at(x: string, y: string): string;
   keep: string;
   keeps: Record<Class, string>;
@@ -63,9 +75,10 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the end of the control arm.{keys} Arrow keys move it, with Shift by small steps.",
+    hint: "Drag the end of the control arm, or another control point.{keys} Arrow keys move them, with Shift by small steps.",
     figure: "Two curves that meet, with combs of their curvature; above them the stripes that a surface swept from them reflects",
     handle: "End of the first curve’s control arm",
+    other: (name) => `Control point ${name}`,
     at: (x, y) => `x ${x}, y ${y}`,
     keep: "The second curve keeps",
     keeps: { C0: "C0: its start", C1: "C1: direction and speed, too", C2: "C2: bending, too" },
@@ -89,9 +102,10 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动控制臂的端点。{keys}方向键移动它，加 Shift 走小步。",
+    hint: "拖动控制臂的端点或其他控制点。{keys}方向键移动，加 Shift 走小步。",
     figure: "两条相接的曲线和它们的曲率梳，上方是由曲线扫掠成的曲面所映出的斑马纹",
     handle: "第一条曲线控制臂的端点",
+    other: (name) => `控制点 ${name}`,
     at: (x, y) => `x ${x}，y ${y}`,
     keep: "第二条曲线保持",
     keeps: { C0: "C0：起点", C1: "C1：还有方向与速度", C2: "C2：还有弯曲" },
@@ -117,11 +131,11 @@ const texts: Record<Language, Texts> = {
 };
 
 type Page = PageOf<State, Answer, Texts>;
-const kept = ([x, y]: Point): Point => {
-  const within = (value: number, [low, high]: readonly [number, number]) =>
-    Math.round(Math.min(Math.max(value, low), high) * 100) / 100;
-  return [within(x, XS), within(y, YS)];
-};
+const within = (value: number, [low, high]: readonly [number, number]) =>
+  Math.round(Math.min(Math.max(value, low), high) * 100) / 100;
+const kept = ([x, y]: Point): Point => [within(x, XS), within(y, YS)];
+/** The others that can be moved: those that the class of the join does not place. */
+const freeOf = ({ keep }: State) => ({ C0: [0, 1, 2], C1: [0, 2], C2: [0] })[keep];
 
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill, isSmall } = page;
@@ -179,6 +193,23 @@ function Figure({ page }: { page: Page }) {
           set(({ leg: [x, y] }) => ({ leg: kept([x + dx * 0.05, Math.abs(dy) === Infinity ? y : y + dy * 0.05]) }))
         }
       />
+      {freeOf(state).map((i) => (
+        <Dot
+          key={i}
+          name={texts.other(["P₁", "Q₁", "Q₂"][i]!)}
+          spoken={texts.at(say.fixed(state.others[i]![0]), say.fixed(state.others[i]![1]))}
+          place={state.others[i]!}
+          isStill={isStill}
+          isFaint
+          reach={20}
+          move={(change) =>
+            set(({ others }) => {
+              const [x, y] = change(others[i]!);
+              return { others: others.map((old, k) => (k === i ? [within(x, OTHER_XS), within(y, OTHER_YS)] : old)) };
+            })
+          }
+        />
+      ))}
     </Flat>
   );
 }
@@ -214,7 +245,7 @@ function Panel({ page }: { page: Page }) {
         choose={(keep) => set({ keep })}
       />
       <div class="buttons">
-        <button type="button" onClick={() => set({ leg: HOME })}>
+        <button type="button" onClick={() => set({ leg: HOME, others: OTHERS })}>
           {texts.back}
         </button>
       </div>
@@ -236,8 +267,8 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { keep: ["c", word(...CLASSES)], leg: ["p", point(XS, YS)] },
-  question: (state) => ({ first: firstOf(state), second: SECOND, keep: state.keep, scale: COMB }),
+  parts: { keep: ["c", word(...CLASSES)], leg: ["p", point(XS, YS)], others: ["k", points<Point>(3, 3, [OTHER_XS, OTHER_YS])] },
+  question: (state) => ({ first: firstOf(state), second: secondOf(state), keep: state.keep, scale: COMB }),
   texts,
   number: liveNumber,
   Figure,

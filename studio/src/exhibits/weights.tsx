@@ -2,14 +2,16 @@
 import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
-import { point, word } from "./fragment";
-import { FRAME } from "./frame_texts";
+import { point, points, word } from "./fragment";
 import { CORNERS } from "./paint";
 import type { Language } from "./say";
 import { css } from "../viewer/color";
 
 interface State {
   probe: Point;
+  /** The corners of the triangle, and those of the quad. */
+  three: readonly Point[];
+  four: readonly Point[];
   corners: "3" | "4";
   cut: "first" | "second";
 }
@@ -28,24 +30,28 @@ interface Answer {
   color_gap: number | null;
 }
 
-const PLACES: Record<State["corners"], readonly Point[]> = {
-  "3": [
+const defaults: State = {
+  probe: [5.6, 3.4],
+  three: [
     [1.4, 1.1],
     [10.6, 1.6],
     [5.2, 7.2],
   ],
-  "4": [
+  four: [
     [1.4, 1.1],
     [10.4, 1.3],
     [9.6, 6.9],
     [2.6, 6.6],
   ],
+  corners: "3",
+  cut: "first",
 };
-const defaults: State = { probe: [5.6, 3.4], corners: "3", cut: "first" };
+const placesOf = ({ corners, three, four }: State) => (corners === "3" ? three : four);
 
 interface Texts extends CommonTexts {
   figure: string;
   probe: string;
+  corner(name: string): string;
   at(x: string, y: string): string;
   corners: string;
   three: string;
@@ -66,9 +72,10 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: FRAME.en.drag,
+    hint: "Drag the point or a corner.{keys} Arrow keys move them, with Shift by small steps; Page Up and Page Down by large ones.",
     figure: "A shape with a colour at every corner, blended between them, and a point to move",
     probe: "The probe",
+    corner: (name) => `Corner ${name}`,
     at: (x, y) => `x ${x}, y ${y}`,
     corners: "Corners",
     three: "three",
@@ -96,9 +103,10 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: FRAME.zh.drag,
+    hint: "拖动测试点或顶点。{keys}方向键移动，加 Shift 走小步，Page Up 和 Page Down 走大步。",
     figure: "每个顶点各有颜色、内部由插值得到的图形，以及一个可移动的点",
     probe: "测试点",
+    corner: (name) => `顶点 ${name}`,
     at: (x, y) => `x ${x}，y ${y}`,
     corners: "顶点数",
     three: "三个",
@@ -141,7 +149,7 @@ const NAMES = { first: "A–C", second: "B–D" } as const;
 
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill, isSmall } = page;
-  const places = PLACES[state.corners];
+  const places = placesOf(state);
   const triangles = state.corners === "3" ? [[0, 1, 2]] : CUTS[state.cut];
   const blend = answer.blends[state.corners === "4" && state.cut === "second" ? 1 : 0];
   return (
@@ -154,8 +162,8 @@ function Figure({ page }: { page: Page }) {
         state.corners === "3" &&
         blend.rows.map((row) => <path key={row} class="spoke" d={path([places[row]!, state.probe], false)} />)}
       {places.map((corner, i) => {
-        const [dx, dy] = [corner[0] - 6, corner[1] - 4];
-        const far = 0.5 / Math.hypot(dx, dy);
+        const [dx, dy] = [0, 1].map((k) => corner[k]! - places.reduce((sum, other) => sum + other[k]! / places.length, 0)) as [number, number];
+        const far = 0.5 / (Math.hypot(dx, dy) || 1);
         const [x, y] = at([corner[0] + dx * far, corner[1] + dy * far - 0.1]).split(" ");
         return (
           <text key={i} class="label" x={x} y={y}>
@@ -171,6 +179,22 @@ function Figure({ page }: { page: Page }) {
         isStill={isStill}
         move={(change) => set(({ probe }) => ({ probe: change(probe) }))}
       />
+      {places.map((corner, i) => (
+        <Dot
+          key={i}
+          name={texts.corner("ABCD"[i]!)}
+          spoken={texts.at(say.fixed(corner[0]), say.fixed(corner[1]))}
+          place={corner}
+          isStill={isStill}
+          isFaint
+          reach={20}
+          move={(change) =>
+            set((state) => ({
+              [state.corners === "3" ? "three" : "four"]: placesOf(state).map((old, k) => (k === i ? change(old) : old)),
+            }))
+          }
+        />
+      ))}
     </Flat>
   );
 }
@@ -310,10 +334,12 @@ export default exhibit<State, Answer, Texts>({
   defaults,
   parts: {
     probe: ["p", point([0, FLAT.width], [0, FLAT.height])],
+    three: ["k", points<Point>(3, 3, [[0, FLAT.width], [0, FLAT.height]])],
+    four: ["q", points<Point>(4, 4, [[0, FLAT.width], [0, FLAT.height]])],
     corners: ["c", word("3", "4")],
     cut: ["d", word("first", "second")],
   },
-  question: (state) => ({ corners: PLACES[state.corners], colors: colorsOf(state), point: state.probe }),
+  question: (state) => ({ corners: placesOf(state), colors: colorsOf(state), point: state.probe }),
   texts,
   number: liveNumber,
   Figure,
