@@ -37,6 +37,7 @@ mod outlines_to_mesh;
 mod outlines_to_solid;
 mod patches;
 mod patches_to_mesh;
+mod patches_to_mesh_by_outline;
 mod points_to_spline;
 mod polyline_to_spline;
 mod redistance;
@@ -84,6 +85,11 @@ pub mod batch {
     pub use super::curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
     pub use super::mesh_to_grid::DistanceBaker;
     pub use super::view_dependent_mesher::{TileReuse, ViewDependentMesher};
+}
+
+/// Meshes for one camera that are finest along the outline.
+pub mod outlines {
+    pub use super::patches_to_mesh_by_outline::{OutlineMesh, patches_to_mesh_by_outline};
 }
 
 /// Fits paths of few cubics to points and polylines.

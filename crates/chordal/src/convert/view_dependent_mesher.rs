@@ -128,6 +128,7 @@ impl<'a> ViewDependentMesher<'a> {
             pixels: budget.pixels.map(|px| (px.pixels, px.view.lens())),
             normal_deviation: None,
             share: 1.0,
+            outline: None,
         };
         let ViewedSheets { sheets, adjacency, tiles } = surface;
         // Taken out, so that none are left after an error.

@@ -1,7 +1,8 @@
 //! `Allowance`: the error that tiles may have, and the reasons why no mesh can meet it.
 use crate::budget::{Failure, Lens, Pixels, RefusalCode};
-use crate::explicit::Mesh;
-use crate::math::{Box3, lesser};
+use crate::explicit::{Mesh, Patch};
+use crate::math::{Box3, greater, lesser};
+use glam::DVec3;
 
 pub(crate) type TessellationFailure = Failure<Mesh>;
 
@@ -14,12 +15,51 @@ pub(crate) struct Allowance {
     pub(crate) normal_deviation: Option<f64>,
     /// The share of the allowed length that is used, at most 1; the rest is reserved for later views.
     pub(crate) share: f64,
+    /// Parts that face the eye, or face away from it, as a whole may have a larger error.
+    pub(crate) outline: Option<OutlineAllowance>,
+}
+
+/// More error where the outline cannot be.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OutlineAllowance {
+    pub(crate) eye: [f64; 3],
+    /// The factor of the allowed length there, at least 1.
+    pub(crate) elsewhere: f64,
+}
+
+impl OutlineAllowance {
+    /// Whether no normal of the part is at a right angle to the line of sight, so that no point of it is on the outline.
+    /// The normal is a combination, with weights that are not negative, of the cross products of the differences of
+    /// control points along u with those along v.
+    pub(crate) fn is_clear(&self, part: &Patch) -> bool {
+        let point = |i: usize, j: usize| DVec3::from(part.control[i][j]);
+        let bounds = part.bounds();
+        let centre = DVec3::from(bounds.centre());
+        let sight = DVec3::from(self.eye) - centre;
+        // Every point of the part is within its box.
+        let radius = 0.5 * (DVec3::from(bounds.max) - DVec3::from(bounds.min)).length();
+        let (mut front, mut back) = (true, true);
+        for i in 0..4 {
+            for j in 0..3 {
+                let first = point(i, j + 1) - point(i, j);
+                for (k, l) in (0..3).flat_map(|k| (0..4).map(move |l| (k, l))) {
+                    let normal = first.cross(point(k + 1, l) - point(k, l));
+                    let toward = normal.dot(sight);
+                    // Some hundred roundings, relative to the two lengths.
+                    let least = normal.length() * (radius + 256.0 * f64::EPSILON * sight.length());
+                    front &= toward >= least;
+                    back &= -toward >= least;
+                }
+            }
+        }
+        front || back
+    }
 }
 
 impl Allowance {
     /// A length everywhere.
     pub(crate) fn from_length(length: f64) -> Self {
-        Self { length: Some(length), pixels: None, normal_deviation: None, share: 1.0 }
+        Self { length: Some(length), pixels: None, normal_deviation: None, share: 1.0, outline: None }
     }
 
     /// The length that is allowed in a box; `None` if the eye is too close for any.
@@ -31,6 +71,15 @@ impl Allowance {
         let by_length = self.length.unwrap_or(f64::MAX);
         // With a share of at most 1, the rounded product is no more than the other factor.
         Some(self.share * lesser(by_length, by_view))
+    }
+
+    /// The length that is allowed for a part.
+    pub(crate) fn over(&self, part: &Patch) -> Option<f64> {
+        let length = self.at(&part.bounds())?;
+        match &self.outline {
+            Some(outline) if outline.is_clear(part) => Some(greater(length, outline.elsewhere * length)),
+            _ => Some(length),
+        }
     }
 }
 

@@ -22,6 +22,7 @@ pub(crate) fn mesh_within(
             pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
             normal_deviation: budget.angle_deg.map(|angle| 2.0 * libm::sin(0.5 * angle.to_radians())),
             share: 1.0,
+            outline: None,
         };
         within_budget(&PatchApproximation { mesher: &mesher, allowance, job }, budget, budget.triangles)
     })

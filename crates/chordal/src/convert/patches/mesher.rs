@@ -1,13 +1,15 @@
 //! `PatchMesher`: plans tiles for an allowance, proves them, and adds cells until all meet it.
 use super::adjacency::{PatchAdjacency, SideBoundary};
-use super::allowance::{Allowance, InfeasibleTolerance, TessellationFailure, refuse_tolerance};
+use super::allowance::{
+    Allowance, InfeasibleTolerance, OutlineAllowance, TessellationFailure, refuse_tolerance,
+};
 use super::patch_tile::{self, PatchTile, PatchTileMesh};
 use super::plan::{self, PlanBefore, TilePlan};
 use super::refine::{normal_deviation_ratio, raised_safety_factors, refine_missed};
 use super::seams::{SeamLine, SeamSpan, TileSeams};
 use super::subpatch::{PatchSurface, Subpatch, SubpatchKind, SubpatchShape};
 use super::{assemble, extraordinary_tile, texcoords, tile, tile_border};
-use crate::budget::{Bound, Bounded, Failure, Job, Progress, RefusalCode, par_map};
+use crate::budget::{Bound, Bounded, Failure, Job, Lens, Progress, RefusalCode, par_map};
 use crate::check;
 use crate::explicit::{Mesh, PatchSide};
 use crate::math::{greater, lesser, sub_down};
@@ -322,6 +324,19 @@ impl CertifiedTiles<'_> {
     /// The largest bound of its tiles.
     pub(crate) fn bound(&self) -> f64 {
         self.tiles.iter().fold(0.0, |most, (_, done)| greater(done.bound, most))
+    }
+
+    /// The largest bound in pixels of the tiles that may contain the outline; `None` if one has no such bound.
+    pub(crate) fn pixels_at_outline(&self, outline: &OutlineAllowance, lens: &Lens) -> Option<f64> {
+        self.tiles.iter().try_fold(0.0, |worst, (tile, done)| {
+            let subpatch = &self.subpatches[tile.subpatch as usize];
+            if let SubpatchShape::Bezier(patch) = &subpatch.shape
+                && outline.is_clear(&subpatch.tile_patch(patch, tile))
+            {
+                return Some(worst);
+            }
+            Some(greater(lens.scale_at(&done.place).pixels_of(done.bound)?, worst))
+        })
     }
 }
 

@@ -96,8 +96,21 @@ pub(crate) fn tolerance(
     allowance: &Allowance,
     rounding: f64,
 ) -> Result<f64, InfeasibleTolerance> {
+    less_rounding(allowance.at(&place), place, rounding)
+}
+
+/// The allowed length of a Bézier part, less rounding.
+pub(crate) fn part_tolerance(
+    part: &Patch,
+    allowance: &Allowance,
+    rounding: f64,
+) -> Result<f64, InfeasibleTolerance> {
+    less_rounding(allowance.over(part), part.bounds(), rounding)
+}
+
+fn less_rounding(allowed: Option<f64>, place: Box3, rounding: f64) -> Result<f64, InfeasibleTolerance> {
     // Rounded down, so that tolerance and rounding together never exceed the allowed length.
-    let tolerance = sub_down(allowance.at(&place).ok_or(InfeasibleTolerance::TooClose(place))?, rounding);
+    let tolerance = sub_down(allowed.ok_or(InfeasibleTolerance::TooClose(place))?, rounding);
     // If rounding takes most of the budget, noise would determine the number of cells.
     if tolerance < rounding {
         Err(InfeasibleTolerance::BelowRounding(place, rounding))
@@ -122,11 +135,13 @@ pub(crate) fn split_into_tiles(
     };
     let mut open = vec![TileCandidate::new(patch, subpatch.u, subpatch.v, allowance, rounding)?];
     while let Some(rectangle) = open.pop() {
-        if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
+        let by_estimate = rectangle.better_half().or_else(|| rectangle.longer_half());
+        if let Some(half) = by_estimate.or_else(|| rectangle.half_beside_outline(allowance)) {
             let halves = rectangle.halve(half, allowance, rounding)?;
             // Estimates that are noise may not fall; without this test halving would then go on to the narrowest
             // tiles everywhere.
-            if halves[0].estimate.cells + halves[1].estimate.cells < 1.2 * rectangle.estimate.cells {
+            let most = if by_estimate.is_some() { 1.2 } else { WORTH_HALVING };
+            if halves[0].estimate.cells + halves[1].estimate.cells < most * rectangle.estimate.cells {
                 open.extend(halves);
                 continue;
             }
@@ -181,7 +196,7 @@ impl TileCandidate {
         allowance: &Allowance,
         rounding: f64,
     ) -> Result<Self, InfeasibleTolerance> {
-        let tolerance = tolerance(part.bounds(), allowance, rounding)?;
+        let tolerance = part_tolerance(&part, allowance, rounding)?;
         let probe = CellEstimator::new(&part);
         let need = probe.estimate(tolerance);
         Ok(Self { part, u, v, tolerance, estimator: probe, estimate: need })
@@ -205,6 +220,15 @@ impl TileCandidate {
         let [n, m] = self.estimate.each_way();
         let (half, span) = if n >= m { (ParameterAxis::U, self.u) } else { (ParameterAxis::V, self.v) };
         (self.estimate.cells > MOST_CELLS && is_broad(span)).then_some(half)
+    }
+
+    /// The direction with more cells, if the outline may cross the rectangle: one of the halves may be clear of it.
+    fn half_beside_outline(&self, allowance: &Allowance) -> Option<ParameterAxis> {
+        let outline = allowance.outline.as_ref()?;
+        let [n, m] = self.estimate.each_way();
+        let (half, span) = if n >= m { (ParameterAxis::U, self.u) } else { (ParameterAxis::V, self.v) };
+        let is_large = self.estimate.cells > FEWEST_CELLS_TO_HALVE && is_broad(span);
+        (is_large && !outline.is_clear(&self.part)).then_some(half)
     }
 
     /// The second half, then the first, which is examined next.

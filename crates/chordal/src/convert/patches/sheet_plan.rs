@@ -161,7 +161,7 @@ impl<'a> PatchMesher<'a, '_> {
         // A quick estimate without halving; the exact one only if that exceeds the limit.
         let mut needed = total(&|subpatch| {
             let SubpatchShape::Bezier(patch) = &subpatch.shape else { return Ok(2.0) };
-            let tolerance = plan::tolerance(patch.bounds(), allowance, subpatch.rounding_error())?;
+            let tolerance = plan::part_tolerance(patch, allowance, subpatch.rounding_error())?;
             Ok(2.0 * CellEstimator::new(patch).estimate(tolerance).cells)
         })?;
         if needed >= limit {

@@ -26,6 +26,7 @@ pub(crate) fn mesh_within(
         pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
         normal_deviation: None,
         share: 1.0,
+        outline: None,
     };
     within_budget(&LoopApproximation { mesher, allowance, job }, budget, budget.triangles)
 }
