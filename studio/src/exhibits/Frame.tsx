@@ -1,5 +1,6 @@
 // The frame of every exhibit: title and claim, figure and handle, the live number, the texts, links to the other stops.
 import { Figure as Data } from "../view/parts";
+import { LESSON } from "../lesson/where";
 import { Hint } from "../view/Hint";
 import { Themes } from "../view/Themes";
 import type { AnyExhibit, LiveNumber, Page } from "./exhibit";
@@ -120,6 +121,9 @@ function Head({ entry, language, fragment }: FrameProps) {
       <a class="brand" href={fileOf("exhibits", language)}>
         <Mark />
         {words.all}
+      </a>
+      <a class="to-lesson" href={LESSON[language]}>
+        {words.lesson}
       </a>
       <nav class="path" aria-label={words.path}>
         <ol>

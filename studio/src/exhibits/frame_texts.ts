@@ -3,6 +3,7 @@ import type { Language } from "./say";
 
 interface FrameTexts {
   all: string;
+  lesson: string;
   bench: string;
   lead: string;
   path: string;
@@ -34,6 +35,7 @@ export const FRAME: Record<Language, FrameTexts> = {
   en: {
     bench: "Your own shapes: the workbench",
     all: "Chordal exhibits",
+    lesson: "The lesson",
     lead: "Each page has one claim, one handle and one number. Move the handle, watch the number, and see whether you believe the claim. Take them in order, or begin anywhere.",
     path: "All exhibits",
     language: "Language",
@@ -61,6 +63,7 @@ export const FRAME: Record<Language, FrameTexts> = {
   zh: {
     bench: "做自己的形状：工作台",
     all: "Chordal 展品",
+    lesson: "课程",
     lead: "每一页只有一个论断、一个可拖动的控制点和一个数字。拖一拖，看数字怎样变，再判断论断是否可信。可以按顺序看，也可以从任何一页开始。",
     path: "全部展品",
     language: "语言",

@@ -1,6 +1,7 @@
 // Writes the pages as text with still figures at build time, for readers without script and until it runs.
 import { renderToString } from "preact-render-to-string";
 import type { Core } from "../core/module";
+import { LESSON } from "../lesson/where";
 import { Themes } from "../view/Themes";
 import type { AnyExhibit } from "./exhibit";
 import { Frame, Languages, Mark, Onward, titleOf } from "./Frame";
@@ -104,6 +105,9 @@ function listPage(loaded: { entry: Entry; exhibit: AnyExhibit }[], answers: unkn
           <Mark />
           Chordal
         </span>
+        <a class="to-lesson" href={LESSON[language]}>
+          {words.lesson}
+        </a>
         <div class="wishes-of-page">
           <Languages language={language} file={(other) => fileOf("exhibits", other)} />
           <Themes language={language} />

@@ -5,6 +5,7 @@ export const en = {
     "Graphics hardware draws straight lines and triangles, so a curve is cut into segments first. Drag a point, or change their number.",
   "skip": "Skip to the figure",
 
+  "lesson": "The lesson",
   "views": "Views",
   "view.curve": "One curve",
   "view.seam": "Two curves joined",

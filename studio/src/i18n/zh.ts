@@ -6,6 +6,7 @@ export const zh: Catalogue = {
   "lead": "图形硬件只画直线段和三角形，所以曲线要先分成一段段直线。拖动一个点，或者改变段数试试。",
   "skip": "跳到图形",
 
+  "lesson": "课程",
   "views": "看什么",
   "view.curve": "一条曲线",
   "view.seam": "两段曲线的拼接",

@@ -1,5 +1,6 @@
 // The whole page, from the reader's choices and the core's answers.
 import type { Point } from "../core/types";
+import { LESSON } from "../lesson/where";
 import type { Language, View } from "../state/state";
 import { DEFAULTS, withPoint } from "../state/state";
 import { Compare } from "./Compare";
@@ -69,6 +70,9 @@ function Top({ page }: { page: Page }) {
         </svg>
         <span>Chordal</span>
       </span>
+      <a class="to-lesson" href={LESSON[say.language]}>
+        {say.text("lesson")}
+      </a>
       {page.around.isStill ? (
         <OtherLanguage language={say.language} />
       ) : (

@@ -4,6 +4,7 @@ import { PAINT } from "../exhibits/paint";
 import { Mark, jump } from "../exhibits/Frame";
 import { FRAME } from "../exhibits/frame_texts";
 import { TAGS } from "../exhibits/say";
+import { LESSON } from "../lesson/where";
 import type { Vec3 } from "../viewer";
 import { Themes } from "../view/Themes";
 import { Certificate } from "./Certificate";
@@ -132,6 +133,7 @@ export function App({ language, state, control }: Props) {
         </a>
         <h1>{words.title}</h1>
         <nav class="onward-links" aria-label={words.exhibits}>
+          <a href={LESSON[language]}>{words.lesson}</a>
           <a href={language === "zh" ? "exhibits.zh.html" : "exhibits.html"}>{words.exhibits}</a>
         </nav>
         <details class="about">

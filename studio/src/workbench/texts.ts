@@ -10,6 +10,7 @@ export interface Texts {
   lead: string;
   skip: string;
   home: string;
+  lesson: string;
   exhibits: string;
   open: string;
   drop: string;
@@ -110,6 +111,7 @@ export const TEXTS: Record<Language, Texts> = {
     lead: "Write a shape or drop a file, choose how much error may be visible, and get triangles with a proof. Nothing leaves this page.",
     skip: "To the picture",
     home: "Chordal",
+    lesson: "The lesson",
     exhibits: "Exhibits",
     open: "Open files…",
     drop: "Drop files here: meshes, patches, cages, drawings, fonts, volumes, scripts",
@@ -221,6 +223,7 @@ export const TEXTS: Record<Language, Texts> = {
     lead: "写一个形状，或放入一个文件；说明允许看出多大误差；带走三角形和它的证明。一切都在本页内完成，不上传任何内容。",
     skip: "跳到图形",
     home: "Chordal",
+    lesson: "课程",
     exhibits: "展品",
     open: "打开文件…",
     drop: "把文件拖到这里：网格、曲面片、控制网格、图形、字体、体数据、脚本",
