@@ -326,6 +326,14 @@ export const EN: LessonText = {
         </p>
       ),
     },
+    pull: {
+      title: "Pull the cage",
+      text: (
+        <p>
+          Move one corner of a cage, and only the faces two rings around it follow. This is why artists think in cages: a few hundred points that each do one clear thing.
+        </p>
+      ),
+    },
     segments: {
       title: "How many segments until it looks smooth?",
       text: (
@@ -393,7 +401,16 @@ export const EN: LessonText = {
         </p>
       ),
     },
-    boolean: {
+    blend: {
+      title: "Round the seam",
+      text: (
+        <p>
+          Replace the minimum by one that rounds its corner, and two shapes flow into each other where they meet, by as much as you like. On a mesh a fillet is a project;
+          here it is the same line.
+        </p>
+      ),
+    },
+    booleans: {
       title: "The same with triangles",
       text: (
         <p>
@@ -412,7 +429,7 @@ export const EN: LessonText = {
         </p>
       ),
     },
-    isosurface: {
+    cubes: {
       title: "A whole surface, cell by cell",
       text: (
         <p>
@@ -506,7 +523,7 @@ export const EN: LessonText = {
         </p>
       ),
     },
-    scale: {
+    mountain: {
       title: "At their true size",
       text: (
         <p>
