@@ -2,5 +2,6 @@
 import type { Language } from "../exhibits/say";
 import { EN } from "./en";
 import type { LessonText } from "./lesson";
+import { ZH } from "./zh";
 
-export const LESSONS: Partial<Record<Language, LessonText>> = { en: EN };
+export const LESSONS: Partial<Record<Language, LessonText>> = { en: EN, zh: ZH };

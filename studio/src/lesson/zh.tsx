@@ -295,6 +295,10 @@ export const ZH: LessonText = {
         </p>
       ),
     },
+    pull: {
+      title: "拉一拉控制网格",
+      text: <p>拖动控制网格的一个顶点，只有它周围两圈的面跟着动。造型的人因此愿意用控制网格来想问题：几百个点，每个点只管一件清楚的事。</p>,
+    },
     segments: {
       title: "多少段看起来才光滑？",
       text: (
@@ -354,7 +358,11 @@ export const ZH: LessonText = {
         </p>
       ),
     },
-    boolean: {
+    blend: {
+      title: "把接缝磨圆",
+      text: <p>取最小时，换一种会把尖角磨圆的取法，两个形状就在相接处流到一起，圆多圆少随你定。在网格上倒一个圆角是一项工程；在这里，还是那一行。</p>,
+    },
+    booleans: {
       title: "换成三角形来打",
       text: <p>用两个网格打同一个孔，就琐碎了。相交的三角形要两两切开，舍入会挪动交点，三个面几乎交于一点的地方，粗心的代码就留下裂缝。精确的做法是有的，但绝不止一行。</p>,
     },
@@ -367,7 +375,7 @@ export const ZH: LessonText = {
         </p>
       ),
     },
-    isosurface: {
+    cubes: {
       title: "一格一格，整张曲面",
       text: <p>到了空间里，一个格子八个角，共 256 种情形。逐格走完，一张曲面就出来了，而且天生封闭：公共的边上有没有顶点、在哪里，相邻的格子算出来是一样的。</p>,
     },
@@ -430,7 +438,7 @@ export const ZH: LessonText = {
       text: (
         <p>
           所以同一个形状要存几个<Term id="lod">细节层次</Term>，每一层的误差都有证明过的上界，单位是长度；再把这个长度换算到真正要紧的地方，<Term id="screen-space">屏幕空间</Term>
-          。从 <Handle figure="levels" field="stop" value={4} low={0} high={18} name="镜头到茶壶" shown={DISTANCES.map((distance) => metres(say, distance))} />{" "}
+          。从 <Handle figure="levels" field="stop" value={0} low={0} high={18} name="镜头到茶壶" shown={DISTANCES.map((distance) => metres(say, distance))} />{" "}
           外看，就显示误差不超过一个像素的最粗的一层。20 像素高的小人，几十个三角形就够了。
         </p>
       ),
@@ -450,7 +458,7 @@ export const ZH: LessonText = {
         </p>
       ),
     },
-    scale: {
+    mountain: {
       title: "按真实大小",
       text: <p>把茶壶和山放进同一幅画，各画上一个像素作比较。每条弦都长到了极限，却再也看不出来。</p>,
     },
