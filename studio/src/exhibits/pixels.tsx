@@ -155,7 +155,7 @@ const texts: Record<Language, Texts> = {
     centres: (covered, area) => `三角形面积为 ${area} 个像素，有 ${covered} 个像素中心落在里面。`,
     once: "两个三角形的每个像素都恰好填一次。",
     doubled: (n) => `${n} 个中心落在公共边上，填了两次：半透明时会露出一条亮缝。`,
-    gaps: (n) => `${n} 个中心落在公共边上，谁也不填：留下一排小洞。`,
+    gaps: (n) => `${n} 个中心落在公共边上，谁也不填：留下一排小孔。`,
     folded: "D 和 B 在 A–C 的同一侧：两个三角形重叠，什么规则都没用。",
     inside: "填充",
     outside: "不填",

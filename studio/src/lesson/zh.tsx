@@ -209,7 +209,7 @@ export const ZH: LessonText = {
             把背对视点的三角形全部跳过，大约省去一半，而且是在碰到任何像素之前。
           </p>
           <p>
-            这个球上有三个三角形绕反了。不打光、不剔除的时候完全看不出来；一剔除，就是三个洞。<Set figure="culling" to={{ backs: "painted" }}>给背面涂上颜色</Set>
+            这个球上有三个三角形绕反了。不打光、不剔除的时候完全看不出来；一剔除，就是三个孔。<Set figure="culling" to={{ backs: "painted" }}>给背面涂上颜色</Set>
             找到它们，再一个个翻过来。
           </p>
         </>
@@ -219,7 +219,7 @@ export const ZH: LessonText = {
       title: "什么时候才有内部",
       text: (
         <p>
-          如果每条边都恰好有两个三角形，网格就是封闭的<Term id="manifold">流形</Term>。内外因此分明，细分、布尔运算、物理模拟才做得成。有洞就不行；
+          如果每条边都恰好有两个三角形，网格就是封闭的<Term id="manifold">流形</Term>。内外因此分明，细分、布尔运算、物理模拟才做得成。有孔就不行；
           <Term id="t-junction">T 形接点</Term>也不行：一个三角形的顶点落在别人的边上，那条边却没有它。两个网格静静摆着可以一模一样，一打光、一剔除、一切割，就见了分晓。挑一个病人看看：每种毛病都有名字，也有治法。
         </p>
       ),
@@ -370,14 +370,14 @@ export const ZH: LessonText = {
       title: "回到三角形",
       text: (
         <p>
-          硬件只画三角形，场也得变过去。先在格点上取样；再看每个格子的角哪些在里面，两端不同的边上放一个顶点：这就是<Term id="marching-cubes">移动立方体</Term>
+          硬件只画三角形，场也得变过去。先在格点上采样；再看每个单元的角哪些在里面，两端不同的边上放一个顶点：这就是<Term id="marching-cubes">移动立方体</Term>
           ，平面上叫移动正方形。尖角会被切掉，除非网格化知道形状由哪些部分组成，把顶点放到<Set figure="squares" to={{ method: "corners" }}>它们相交的地方</Set>。
         </p>
       ),
     },
     cubes: {
-      title: "一格一格，整张曲面",
-      text: <p>到了空间里，一个格子八个角，共 256 种情形。逐格走完，一张曲面就出来了，而且天生封闭：公共的边上有没有顶点、在哪里，相邻的格子算出来是一样的。</p>,
+      title: "一个单元一个单元，整张曲面",
+      text: <p>到了空间里，一个单元八个角，共 256 种情形。逐个走完，一张曲面就出来了，而且天生封闭：公共的边上有没有顶点、在哪里，相邻的单元算出来是一样的。</p>,
     },
     network: {
       title: "学出来的规则",
@@ -393,8 +393,8 @@ export const ZH: LessonText = {
         <p>
           两种回答谁也赢不了谁，所以引擎两种都带着，来回转换。要碰撞、要融合，就把茶壶的 {say.whole(facts.baking.triangles)} 个三角形<Term id="baking">烘焙</Term>
           成格点上的距离，这里是 {say.whole(facts.baking.samples)} 个样本；再网格化回来，成了 {say.whole(facts.baking.back)}{" "}
-          个三角形。每一程都有损失，每份损失都有上界；这里的上界给得宽，因为壶嘴和壶把伸进了壶身。沿最长边只取{" "}
-          <Handle figure="baking" field="cells" value={20} low={6} high={36} name="沿最长边的格数" /> 格，看看壶把会变成什么样。
+          个三角形。每一程都有损失，每份损失都有上界；这里的上界给得宽，因为壶嘴和壶把伸进了壶身。最长边方向只取{" "}
+          <Handle figure="baking" field="cells" value={20} low={6} high={36} name="最长边方向的单元数" /> 个单元，看看壶把会变成什么样。
         </p>
       ),
     },
@@ -429,7 +429,7 @@ export const ZH: LessonText = {
       title: "而且会闪",
       text: (
         <p>
-          还不止白费：像素中心碰上的是众多小三角形中的哪一个，一帧一变，转动的表面便满是闪点。这叫<Term id="aliasing">走样</Term>：细节比采样点还多，显示不过来。
+          还不止白费：像素中心碰上的是众多小三角形中的哪一个，一帧一变，转动的表面便满是闪点。这叫<Term id="aliasing">走样</Term>：细节比样本还多，显示不过来。
         </p>
       ),
     },
@@ -595,7 +595,7 @@ export const ZH: LessonText = {
     },
     "convex-hull": { word: "凸包", gloss: "包住若干点的最小凸形：拿橡皮筋一套，围住的就是。" },
     "de-casteljau": { word: "德卡斯特里奥算法", formula: <>线性插值，4 → 3 → 2 → 1</>, gloss: "相邻两点反复插值，直到只剩一个点，即曲线上的点。" },
-    runge: { word: "龙格现象", gloss: "多项式穿过许多等距的点时，越靠两端摆动越大。" },
+    runge: { word: "龙格现象", gloss: "多项式穿过许多等距的点时，越靠两端振荡越大。" },
     spline: { word: "样条", gloss: "由许多低次曲线段平滑相接而成的曲线。" },
     continuity: { word: "C0、C1、C2", formula: <>值相等；一阶导数也相等；二阶导数也相等</>, gloss: "两段接得有多平滑：位置，方向与速度，弯曲。" },
     "tensor-product": {
@@ -614,7 +614,7 @@ export const ZH: LessonText = {
     gradient: { word: "梯度", formula: <>∇f = (∂f/∂x, ∂f/∂y, ∂f/∂z)</>, gloss: "场增长最快的方向。距离场的梯度长度为 1，在表面上就是法线。" },
     "sphere-tracing": { word: "球面追踪", formula: <>t ← t + f(eye + t · way)</>, gloss: "沿射线前进，每步的长度由场保证安全。" },
     csg: { word: "构造实体几何（CSG）", formula: <>min(a, b), max(a, b), max(a, −b)</>, gloss: "用简单实体的并、交、差造出复杂的实体。" },
-    "marching-cubes": { word: "移动立方体", formula: <>2⁸ = 256 种情形</>, gloss: "由场的样本得到三角形：一次一个格子，看各个角的符号。" },
+    "marching-cubes": { word: "移动立方体", formula: <>2⁸ = 256 种情形</>, gloss: "由场的样本得到三角形：一次一个单元，看各个角的符号。" },
     occupancy: { word: "占据", formula: <>o(p) ∈ [0, 1]，表面在 ½ 处</>, gloss: "有多大把握说一点在里面；视觉网络学的就是它。" },
     baking: { word: "烘焙", gloss: "把场的值一次算好，存到格点上。" },
     overshading: { word: "过度着色", formula: <>实际着色次数 ÷ 覆盖的像素数</>, gloss: "硬件按 2 × 2 的块着色，三角形没有覆盖到的像素也白白算了一遍。" },
@@ -649,7 +649,7 @@ export const ZH: LessonText = {
         ask: "环绕方向记下了什么？背面剔除为什么离不开它？",
         answer: (
           <>
-            记下哪一面是正面：从那边看，三个角是逆时针的。剔除跳过背对视点的三角形，这个球上有 {say.percent(facts.culling.back_share)}；它只认次序，绕反一个，就是一个洞。
+            记下哪一面是正面：从那边看，三个角是逆时针的。剔除跳过背对视点的三角形，这个球上有 {say.percent(facts.culling.back_share)}；它只认次序，绕反一个，就是一个孔。
           </>
         ),
         figure: "winding",
@@ -657,7 +657,7 @@ export const ZH: LessonText = {
       joins: {
         ask: "C0、C1、C2 是什么？为什么要许多段低次曲线？",
         answer: (
-          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它，反射只需曲率连续。一个高次多项式会摆荡，一点动，处处动；短的低次曲线安稳，互不牵连。</>
+          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它，反射只需曲率连续。一个高次多项式会振荡，一点动，处处动；短的低次曲线安稳，互不牵连。</>
         ),
         figure: "joins",
       },
@@ -684,6 +684,6 @@ export const ZH: LessonText = {
   },
   ending: {
     title: "预算花在看得见的地方；眼睛分不出了，就停。",
-    text: <>Chordal 替你自己的形状做的就是这件事：你说能看出多少误差，它给出三角形，并证明偏差不超过多少。</>,
+    text: <>Chordal 替你自己的形状做的就是这件事：你说能看出多少误差，它给出三角形，并证明误差不超过多少。</>,
   },
 };

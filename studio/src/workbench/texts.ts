@@ -28,8 +28,6 @@ export interface Texts {
   mesh: string;
   field: string;
   both: string;
-  panes: string;
-  show: string;
   shows: { shaded: string; wire: string; normals: string; culled: string };
   section: string;
   cutAt: string;
@@ -136,8 +134,6 @@ export const TEXTS: Record<Language, Texts> = {
     mesh: "Mesh",
     field: "Field",
     both: "Both",
-    panes: "Show",
-    show: "Mesh as",
     shows: { shaded: "Surface", wire: "Edges", normals: "Normals", culled: "Backs culled" },
     section: "Cut open",
     cutAt: "Position of the cut",
@@ -246,8 +242,6 @@ export const TEXTS: Record<Language, Texts> = {
     mesh: "网格",
     field: "场",
     both: "并排",
-    panes: "显示",
-    show: "网格显示为",
     shows: { shaded: "表面", wire: "边", normals: "法线", culled: "剔除背面" },
     section: "剖开",
     cutAt: "剖切位置",

@@ -71,7 +71,7 @@ export const MEASURE_TEXTS: Record<Language, MeasureTexts> = {
     },
     results: { distance: "距离", edge: "边长", angle: "两面夹角", wall: "壁厚", radius: "圆的半径", cylinder: "圆柱半径" },
     diameter: (value) => `直径 ${value}`,
-    basis: (bound, evidence) => `在网格上量得。网格上各点的偏差至多 ${bound}（${evidence}），因此两点间的长度偏差至多为其两倍。`,
+    basis: (bound, evidence) => `在网格上量得。网格上各点的误差至多 ${bound}（${evidence}），因此两点间的长度误差至多为其两倍。`,
     basisUnknown: "在网格上量得，网格的误差未知。",
     basisAngle: "上界只约束点的位置，不约束角度和半径；这里的值属于网格本身。",
     clear: "清除",
