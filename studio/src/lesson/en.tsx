@@ -644,7 +644,7 @@ export const EN: LessonText = {
   terms: {
     explicit: { word: "explicit", formula: <>points p₀, p₁, p₂, … and who is joined to whom</>, gloss: "A shape given by listing its points and how they are connected. It can be drawn as it stands." },
     implicit: { word: "implicit", formula: <>the shape is where f(p) = 0</>, gloss: "A shape given by a rule that can be asked at any point. It can be tested at once, and must be searched to be drawn." },
-    planar: { word: "planar", formula: <>n · (p − a) = 0</>, gloss: "All of it lies in one plane. Three points that are not in a line always do." },
+    planar: { word: "planar", formula: <>n · (p − a) = 0</>, gloss: "All of it lies in one plane. Three points always do." },
     convex: { word: "convex", gloss: "A straight line between two of its points never leaves it. A triangle always is, a polygon may not be." },
     "edge-function": {
       word: "edge function",
@@ -745,7 +745,7 @@ export const EN: LessonText = {
         ask: "What are C0, C1 and C2, and why many pieces of low degree?",
         answer: (
           <>
-            C0: the pieces meet; C1: with one direction and speed; C2: with one bending, too, which reflections and camera paths need. One polynomial swings and moves
+            C0: the pieces meet; C1: with one direction and speed; C2: with one bending, too, which a camera path needs; a reflection needs equal curvature alone (G2). One polynomial swings and moves
             everywhere; short pieces stay calm and local.
           </>
         ),
