@@ -115,7 +115,7 @@ describe("code", () => {
       for (const ending of ["py", "js"]) {
         const lines = readFileSync(join(CODE, `${name}.${ending}`), "utf8").split("\n").filter(Boolean);
         expect(lines.length, `${name}.${ending}`).toBeLessThanOrEqual(8);
-        for (const line of lines) expect(line.length, `${name}.${ending}: ${line}`).toBeLessThanOrEqual(116);
+        for (const line of lines) expect(line.length, `${name}.${ending}: ${line}`).toBeLessThanOrEqual(82);
       }
   });
 

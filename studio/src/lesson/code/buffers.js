@@ -1,6 +1,7 @@
-import { BufferAttribute, BufferGeometry } from "three";
+import { BufferGeometry, Float32BufferAttribute } from "three";
 
-const square = new BufferGeometry();
-square.setAttribute("position", new BufferAttribute(new Float32Array([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]), 3));
-square.setIndex([0, 1, 2, 0, 2, 3]); // two triangles, four vertices
+const square = new BufferGeometry(); // two triangles, four vertices
+const corners = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0];
+square.setAttribute("position", new Float32BufferAttribute(corners, 3));
+square.setIndex([0, 1, 2, 0, 2, 3]);
 const bytes = 12 * square.attributes.position.count + 2 * square.index.count;

@@ -1,6 +1,6 @@
 import chordal
 
 teapot = chordal.mesh("teapot.bpt", tol=0.05)
-vertices, faces = teapot.vertices, teapot.faces
-indexed = 12 * len(vertices) + 6 * len(faces)  # bytes: three floats, three 16-bit indices
-print(indexed, "instead of", 36 * len(faces), "bytes;", len(faces) * 3 / len(vertices), "triangles a vertex")
+n, m = len(teapot.vertices), len(teapot.faces)
+print(12 * n + 6 * m, "bytes instead of", 36 * m)
+print(3 * m / n, "triangles share a vertex")

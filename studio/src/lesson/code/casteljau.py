@@ -1,5 +1,7 @@
+def lerp(p, q, t):
+    return [a + t * (b - a) for a, b in zip(p, q)]
+
 def casteljau(points, t):
-    if len(points) == 1:
-        return points[0]
-    lerp = lambda p, q: [a + t * (b - a) for a, b in zip(p, q)]
-    return casteljau([lerp(p, q) for p, q in zip(points, points[1:])], t)
+    while len(points) > 1:
+        points = [lerp(p, q, t) for p, q in zip(points, points[1:])]
+    return points[0]

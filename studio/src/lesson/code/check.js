@@ -1,6 +1,6 @@
 function isManifold(faces) {
-  const edges = new Map();
-  for (const f of faces)
-    f.forEach((a, i) => edges.set(`${a} ${f[(i + 1) % 3]}`, (edges.get(`${a} ${f[(i + 1) % 3]}`) ?? 0) + 1));
-  return [...edges].every(([edge, n]) => n === 1 && edges.get(edge.split(" ").reverse().join(" ")) === 1);
+  const edges = faces.flatMap(([a, b, c]) => [[a, b], [b, c], [c, a]]);
+  const known = new Set(edges.map(String));
+  const hasTwin = ([a, b]) => known.has(String([b, a]));
+  return known.size === edges.length && edges.every(hasTwin);
 }
