@@ -613,7 +613,7 @@ export const EN: LessonText = {
       unit: "segments",
       answer: (
         <>
-          {say.whole(facts.segments.evenly)} in equal steps. Most people guess hundreds.
+          {say.whole(facts.segments.evenly)} in equal steps. With a thousand more it would look the same.
         </>
       ),
     },

@@ -84,7 +84,7 @@ export class ExhibitPages {
  * A page waits 15 seconds for an answer, which is enough for the module of the pages. The tests' module is half as fast, and two
  * others run at the same time, so a page could give up on an answer that is nearly there and ask again.
  */
-const patient = (page: Page) =>
+export const patient = (page: Page) =>
   page.addInitScript(() => {
     const later = window.setTimeout.bind(window);
     Object.assign(window, { setTimeout: (act: () => void, ms?: number) => later(act, ms === 15_000 ? 50_000 : ms) });

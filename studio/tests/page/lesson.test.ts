@@ -9,6 +9,7 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import { LESSONS } from "../../src/lesson/languages";
 import { BLOCKS, isPlaced, QUESTIONS } from "../../src/lesson/outline";
+import { patient } from "./exhibit_page";
 import { digits, DIST, Site, type Visit } from "./site";
 
 const FILE = "lesson.html";
@@ -16,7 +17,7 @@ const FIGURES = BLOCKS.flatMap(({ figure }) => (isPlaced(figure) ? figure : []))
 const GUESSED = BLOCKS.filter(({ guess }) => guess);
 let site: Site;
 beforeAll(async () => {
-  site = await Site.open();
+  site = await Site.open(patient);
 });
 afterAll(() => site.close());
 
