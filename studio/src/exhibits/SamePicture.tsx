@@ -10,8 +10,10 @@ export interface Pair {
   height: number;
   /** The coarse one, the fine one, their difference. */
   pictures: readonly [Uint32Array, Uint32Array, Uint32Array];
-  /** Pixels that show the shape; that differ at all; that differ so that an eye could tell; the largest difference, of 255. */
+  /** Pixels that show the shape; that only one of them covers; that differ at all; that differ so that an eye could tell; the
+   * largest difference, of 255. */
   covered: number;
+  outline: number;
   differ: number;
   seen: number;
   largest: number;
@@ -20,11 +22,12 @@ export interface Pair {
 export const SIDES = ["coarse", "fine", "difference"] as const;
 export type Side = (typeof SIDES)[number];
 
-const WORDS: Record<Language, { flip: string; difference: string; differ: string; seen: string; largest: string; of(n: string, all: string): string; ofTones: string }> = {
+const WORDS: Record<Language, { flip: string; difference: string; outline: string; differ: string; seen: string; largest: string; of(n: string, all: string): string; ofTones: string }> = {
   en: {
     flip: "Flip between the two",
     difference: "the difference, 16 times as dark",
-    differ: "Pixels that differ at all",
+    outline: "Pixels in one outline alone",
+    differ: "that differ at all",
     seen: "that differ by more than an eye can tell",
     largest: "Largest difference of a tone",
     of: (n, all) => `${n} of ${all}`,
@@ -33,7 +36,8 @@ const WORDS: Record<Language, { flip: string; difference: string; differ: string
   zh: {
     flip: "在两幅之间切换",
     difference: "两者之差，加深 16 倍",
-    differ: "有任何差别的像素",
+    outline: "只在一幅轮廓内的像素",
+    differ: "有任何差别的",
     seen: "差别超过眼睛所能分辨的",
     largest: "明暗的最大差别",
     of: (n, all) => `${all} 个中的 ${n} 个`,
@@ -77,6 +81,7 @@ export function SamePicture({ pair, side, names, scale, say, isStill, choose }: 
       <dl>
         {(
           [
+            ["outline", words.outline, pair.outline],
             ["differ", words.differ, pair.differ],
             ["seen", words.seen, pair.seen],
           ] as const

@@ -278,8 +278,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
     claim: {
-      en: "The error that matters is on the screen: from ten times as far, a small part of the triangles looks the same.",
-      zh: "要紧的是屏幕上的误差：距离十倍，一小部分三角形就能显示同样的画面。",
+      en: "The error that matters is on the screen: from ten times as far, a small part of the triangles keeps it below a pixel.",
+      zh: "要紧的是屏幕上的误差：距离十倍，一小部分三角形就能让它不到一个像素。",
     },
     load: () => import("./levels"),
   },

@@ -39,7 +39,7 @@ interface Answer {
 
 /** Distances in metres, four per decade: from 0.6 m to 19 km. */
 export const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
-const HOME: View = { azimuth: -86, elevation: 22, distance: 7.3, target: [0, 0, -0.1] };
+const HOME: View = { azimuth: -86, elevation: 22, distance: 6.3, target: [0, 0, -0.25] };
 const defaults: State = { stop: 2, look: "none", side: "coarse", view: HOME };
 
 interface Texts extends CommonTexts {
@@ -69,7 +69,8 @@ const texts: Record<Language, Texts> = {
     look: "Look at",
     looks: { none: "the triangles", teapot: "the teapot, true size", mountain: "the mountain, true size" },
     level: (triangles) => `${triangles} triangles`,
-    trueSize: "As large as on that screen: a pixel of it is a pixel here.",
+    trueSize:
+      "As large as on that screen: a pixel of it is a pixel here. No point is off by more than one. The bound says nothing of tones: if they count, the angle of the normals needs a budget of its own.",
     handle: "Camera to teapot",
     label: "Triangles, teapot and mountain",
     meaning: (teapot, mountain) =>
@@ -89,7 +90,7 @@ const texts: Record<Language, Texts> = {
       "Care is needed *off the axis*: in the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
     ],
     attempts: [
-      "Look at the teapot in its true size and flip between the two: from which distance on can you not tell them apart?",
+      "Look at the teapot in its true size and flip between the two: where do the outlines differ, and where the tones?",
       "From which distance on does the mountain need more than the teapot?",
     ],
   },
@@ -99,7 +100,7 @@ const texts: Record<Language, Texts> = {
     look: "观察",
     looks: { none: "三角形", teapot: "茶壶，实际大小", mountain: "山，实际大小" },
     level: (triangles) => `${triangles} 个三角形`,
-    trueSize: "与在那块屏幕上一样大：它的一个像素就是这里的一个像素。",
+    trueSize: "与在那块屏幕上一样大：它的一个像素就是这里的一个像素。没有一点偏离超过一个像素。上界不管明暗：若明暗也要紧，就要给法线的角度另定预算。",
     handle: "相机到茶壶",
     label: "三角形数：茶壶与山",
     meaning: (teapot, mountain) => `两者的误差都不超过一个像素：在茶壶上是 ${teapot}，在山上是 ${mountain}。`,
@@ -118,7 +119,7 @@ const texts: Record<Language, Texts> = {
       "*偏离光轴*时须注意：同样的距离，同一长度在画面角上占的像素比中心多。这里的切换距离对任何方向都成立，包括四角。屏幕为 1920 × 1080 像素，视角 45 度。",
     ],
     attempts: [
-      "看茶壶的实际大小，在两幅之间切换：从多远起你分不出来？",
+      "看茶壶的实际大小，在两幅之间切换：轮廓差在哪里，明暗又差在哪里？",
       "从多远起，山需要的三角形比茶壶多？",
     ],
   },

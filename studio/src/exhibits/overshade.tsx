@@ -226,7 +226,7 @@ function Panel({ page }: { page: Page }) {
         ))}
         {texts.legendName}
       </p>
-{/*TEMP*/ answer.ball && (      <div>
+      <div>
         <h3>{texts.balls}</h3>
         <SamePicture
           pair={answer.ball}
@@ -238,7 +238,6 @@ function Panel({ page }: { page: Page }) {
           choose={(side) => set({ side })}
         />
       </div>
-)}
       <dl>
         {rows.map(([name, label, value]) => (
           <div key={name}>

@@ -40,10 +40,13 @@ pub(super) fn grey(mesh: &Mesh, camera: Camera, samples: u32) -> Result<Vec<u8>,
     Ok(picture.rgba.chunks_exact(4).map(tone).collect())
 }
 
-/// Both pictures, their difference, and how many pixels differ, at all and so that an eye could tell.
+/// Both pictures, their difference, and how many pixels are covered in one alone, differ at all, and differ so that
+/// an eye could tell.
 pub(super) fn pair_facts(first: &[u8], second: &[u8], camera: &Camera, answer: &mut ExhibitAnswer) -> Value {
     let apart: Vec<u8> = first.iter().zip(second).map(|(a, b)| a.abs_diff(*b)).collect();
     let darkened: Vec<u8> = apart.iter().map(|d| 255 - d.saturating_mul(SHOWN)).collect();
+    // Only the background is white.
+    let outline = first.iter().zip(second).filter(|(a, b)| (**a == 255) != (**b == 255)).count();
     let covered = first.iter().zip(second).filter(|(a, b)| **a < 255 || **b < 255).count();
     let mut words = |grey: &[u8]| {
         let words: Vec<u32> = grey
@@ -58,6 +61,7 @@ pub(super) fn pair_facts(first: &[u8], second: &[u8], camera: &Camera, answer: &
         "height": camera.screen.height_px,
         "pictures": [words(first), words(second), words(&darkened)],
         "covered": covered,
+        "outline": outline,
         "differ": apart.iter().filter(|d| **d > 0).count(),
         "seen": apart.iter().filter(|d| **d > SAME).count(),
         "largest": apart.iter().max(),
