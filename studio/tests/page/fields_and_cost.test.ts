@@ -1,5 +1,7 @@
 // The exhibits of fields and of cost: their numbers are the core's and change as their claims say.
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
+import type { Vec3 } from "../../src/viewer/layers";
+import { type View, dot, towardsEye } from "../../src/viewer/view";
 import { ExhibitPages, grip, live } from "./exhibit_page";
 import { digits, isLong, axeFindings, settled } from "./site";
 
@@ -151,6 +153,34 @@ test("baking: the two bounds add up, the measured error is within, and smaller c
   }
 });
 
+test("baking: a button turns the view to the worst place", async () => {
+  const page = await pages.at("baking.html#v=1&n=8&o=0,-80,6.2,0,0,0");
+  await page.getByRole("button", { name: "Turn to the worst place" }).click();
+  const { view } = (await pages.state("baking")) as { view: View };
+  const { worst } = pages.core.ask("exhibit", { exhibit: "baking", shape: "cylinder", cells: 8 }) as { worst: [Vec3, Vec3] };
+  expect(dot(towardsEye(view), worst[0])).toBeGreaterThan(0.9 * Math.hypot(...worst[0]));
+});
+
+test("levels: a model in its true size is the level or the original, or their difference, and no outline is far off", async () => {
+  const page = await pages.at("levels.html#v=1&k=teapot&n=4");
+  const image = page.locator(".same img");
+  const box = (await image.boundingBox())!;
+  expect([box.width, box.height]).toEqual([320, 192]);
+  const coarse = await image.getAttribute("src");
+  await page.getByRole("button", { name: "⇄" }).click();
+  await settled(page);
+  expect(await image.getAttribute("src")).not.toBe(coarse);
+  expect(await page.locator(".same figcaption").textContent()).toMatch(/^5,064 triangles$/);
+  await page.getByRole("button", { name: "the difference" }).click();
+  await settled(page);
+  expect(await page.locator(".same figcaption").textContent()).toContain("difference");
+  // Of an outline as long as some hundred pixels.
+  expect(await digits(page, "outline")).toBeLessThan(200);
+  await page.locator("#distance").fill("0");
+  await settled(page);
+  expect(await digits(page, "differ")).toBe(0);
+});
+
 test("levels: farther away fewer triangles are within a pixel, and the mountain keeps its triangles until it is far", async () => {
   const page = await pages.at("levels.html");
   expect(await pages.costly("levels")).toBe(pages.written("levels.html"));
@@ -175,6 +205,16 @@ test("overshade: large triangles shade a pixel little more than once, those belo
   expect(await pages.number("overshade")).toBe(4);
   expect(await digits(page, "lanes")).toBe(4 * (await digits(page, "covered")));
   expect(await digits(page, "missed")).toBeGreaterThan(0.9 * (await digits(page, "triangles")));
+  expect(await digits(page, "seen")).toBe(0);
+  const image = page.locator(".same img");
+  expect(await image.count()).toBe(1);
+  await page.locator("#side").fill("0");
+  await settled(page);
+  expect(await digits(page, "seen")).toBeGreaterThan(1000);
+  const coarse = await image.getAttribute("src");
+  await page.getByRole("button", { name: "⇄" }).click();
+  await settled(page);
+  expect(await image.getAttribute("src")).not.toBe(coarse);
 });
 
 test("budget: half the error takes √2 times the segments and about twice the triangles", async () => {

@@ -1,5 +1,7 @@
 // The exhibits of the lesson's first two parts: each number changes as the exhibit claims, by mouse, touch and keys.
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
+import type { Vec3 } from "../../src/viewer/layers";
+import { type View, dot, towardsEye } from "../../src/viewer/view";
 import { ExhibitPages, drag, grip, live } from "./exhibit_page";
 import { digits, isLong, settled } from "./site";
 
@@ -232,7 +234,7 @@ test("doctor: the offered buttons repair every mesh", async () => {
     await page.locator(`input[name=patient][value=${patient}]`).check();
     await settled(page);
     expect(await pages.number("doctor"), patient).toBeGreaterThan(0);
-    const cure = page.locator(".findings button").first();
+    const cure = page.locator(".findings li > button").first();
     for (let i = 0; (await cure.count()) > 0; i++) {
       expect(i, patient).toBeLessThan(4);
       await cure.click();
@@ -245,3 +247,28 @@ test("doctor: the offered buttons repair every mesh", async () => {
     await settled(page);
   }
 });
+
+/** The view in the address. */
+const viewOf = async (id: string) => (await pages.state(id))["view"] as View;
+
+test("doctor: every place is listed, and choosing one turns the view to it", async () => {
+  const page = await pages.at("doctor.html#v=1&p=flipped");
+  const places = page.locator(".places");
+  let faced = 0;
+  for (const list of await places.all()) {
+    const buttons = list.getByRole("button");
+    const n = await buttons.count();
+    expect(n).toBeGreaterThan(0);
+    await buttons.last().click();
+    await settled(page);
+    expect(await buttons.last().getAttribute("aria-pressed")).toBe("true");
+    // The chosen place is on the near side of the ball about the origin.
+    const { places: found } = ((await answer("flipped")) as { findings: { places: Vec3[][] }[] }).findings[faced]!;
+    expect(n).toBe(found.length);
+    const middle = [0, 1, 2].map((k) => found.at(-1)!.reduce((sum, p) => sum + p[k]! / found.at(-1)!.length, 0)) as unknown as Vec3;
+    expect(dot(towardsEye(await viewOf("doctor")), middle), String(middle)).toBeGreaterThan(0.9 * Math.hypot(...middle));
+    faced += 1;
+  }
+  expect(faced).toBeGreaterThan(0);
+});
+const answer = async (patient: string) => pages.core.ask("exhibit", { exhibit: "doctor", patient, cures: [] });
