@@ -15,6 +15,8 @@ const DECADES = [0.01, 0.1, 1, 10, 100, 1000];
 const MARGIN = { left: 52, right: 16, top: 14, bottom: 42 };
 /** In a narrower frame the whole plot is scaled down, because the margins would leave no room. */
 const NARROWEST = 280;
+/** The width of the label of a goal. */
+const GOAL_WIDTH = 44;
 const TABLE = [1, 2, 4, 8, 16, 32, 64, 128];
 
 /** From counts and pixels to positions in the plot. */
@@ -105,10 +107,11 @@ function Axes({ scales, page }: { scales: Scales; page: Page }) {
           </text>
         </g>
       ))}
-      {GOALS.map((goal) => (
+      {GOALS.map((goal, k) => (
         <g key={goal} class={goal === state.goal ? "goal chosen" : "goal"}>
           <path d={`M${MARGIN.left} ${px(scales.y(goal))}H${px(scales.right)}`} />
-          <text x={px(scales.right)} y={px(scales.y(goal) - 4)} text-anchor="end">
+          {/* Side by side: the lines are closer than a label is high. */}
+          <text x={px(scales.right - (GOALS.length - 1 - k) * GOAL_WIDTH)} y={px(scales.y(goal) - 4)} text-anchor="end">
             {say.text("verdict.px", { n: FRACTIONS[goal]! })}
           </text>
         </g>
