@@ -142,8 +142,7 @@ function pictureOf({ state, answer }: Page): Picture {
         shading: "flat",
         sides: "both",
       },
-      { kind: "lines", id: "parallelogram", positions: floats(b, fourth, fourth, c), paint: "--ghost", width: 1.4 },
-      { kind: "lines", id: "side", positions: floats(b, c), paint: "--ink", width: 1.6 },
+      { kind: "lines", id: "parallelogram", positions: floats(b, fourth, fourth, c, b, c), paint: "--soft", width: 1.4 },
       { kind: "lines", id: "edges", positions: floats(...arrow(a, edges[0], edges[1]), ...arrow(a, edges[1], edges[0])), paint: "--ink", width: 2.6 },
       ...(product
         ? ([{ kind: "lines", id: "product", positions: floats(...arrow(a, product, edges[0])), paint: "--gap", width: 3, isOnTop: true }] as const)

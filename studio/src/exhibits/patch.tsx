@@ -160,6 +160,12 @@ const strip = (line: Float32Array) => {
   return ends;
 };
 
+function joined(parts: readonly Float32Array[]): Float32Array {
+  const whole = new Float32Array(parts.reduce((sum, part) => sum + part.length, 0));
+  parts.reduce((start, part) => (whole.set(part, start), start + part.length), 0);
+  return whole;
+}
+
 function pictureOf({ state, answer, isStill }: Page): Picture {
   const net = [0, 1, 2, 3].flatMap((i) =>
     [0, 1, 2].flatMap((j) => [state.control[4 * i + j]!, state.control[4 * i + j + 1]!, state.control[4 * j + i]!, state.control[4 * (j + 1) + i]!]),
@@ -190,8 +196,8 @@ function pictureOf({ state, answer, isStill }: Page): Picture {
       ...(isMeshed
         ? []
         : ([
-            ...answer.rails.map((rail, i) => ({ kind: "lines" as const, id: `rail-${i}`, positions: strip(rail), paint: "--soft", width: 1.2, isOnTop: true })),
-            { kind: "lines", id: "legs", positions: strip(floats(...answer.sliding)), paint: "--soft", width: 1.6, isOnTop: true },
+            // One layer, since each is built anew at every move.
+            { kind: "lines", id: "rails", positions: joined([...answer.rails, floats(...answer.sliding)].map(strip)), paint: "--soft", width: 1.4, isOnTop: true },
             { kind: "points", id: "sliding", positions: floats(...answer.sliding), paint: "--soft", size: 7, isOnTop: true },
             { kind: "lines", id: "slid", positions: strip(answer.slid), paint: "--ink", width: 3.4, isOnTop: true },
             { kind: "points", id: "dot", positions: floats(answer.point), paint: "--gap", size: 11, isOnTop: true },

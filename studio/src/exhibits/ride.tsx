@@ -154,16 +154,12 @@ const vector = (of: Float32Array, i: number): Point => [of[2 * i]!, of[2 * i + 1
 /** The index of the moment. */
 const momentOf = ({ state, answer }: Page) => Math.min(Math.floor(state.time * answer.moments), answer.sizes.length - 1);
 
-function roadOf(page: Page): Float32Array {
-  const { places } = page.answer;
-  const n = places.length / 2;
-  const road = new Float32Array(6 * n);
-  for (let i = 0; i < n; i++) {
-    const [x, y] = vector(places, i);
-    const [nx, ny] = vector(places, (i + 1) % n);
-    road.set([x, y, 0, nx, ny, 0], 6 * i);
-  }
-  return road;
+/** Every fifth place of the path: enough to look like a curve. */
+const sparse = ({ places }: Answer): Point[] => Array.from({ length: places.length / 2 / 5 }, (_, i) => vector(places, 5 * i));
+
+function roadOf({ answer }: Page): Float32Array {
+  const places = sparse(answer);
+  return new Float32Array(places.flatMap(([x, y], i) => [x, y, 0, ...places[(i + 1) % places.length]!, 0]));
 }
 
 function pictureOf(page: Page): Picture {
@@ -198,11 +194,10 @@ function Figure({ page }: { page: Page }) {
     const [x, y] = vector(of, i);
     return [place[0] + scale * x, place[1] + scale * y];
   };
-  const places = Array.from({ length: answer.places.length / 2 }, (_, k) => vector(answer.places, k));
   const [x, y] = toSvg(place);
   const map = (
     <Flat name={texts.figure}>
-      <path class="road" d={path(places)} />
+      <path class="road" d={path(sparse(answer))} />
       <path class="arrow-of speed" d={path([place, along(answer.speeds, ARROWS.speed)], false)} />
       <path class="arrow-of push" d={path([place, along(answer.pushes, ARROWS.push)], false)} />
       <circle class="rider" cx={px(x)} cy={px(y)} r={9} />
@@ -292,8 +287,8 @@ function Panel({ page }: { page: Page }) {
   const { sizes, moments, most } = answer;
   const pieces = state.points.length;
   const i = momentOf(page);
-  // At a joint of a C1 path the curve has a step.
-  const curve = Array.from(sizes, (size, k): readonly [number, number] => [k / moments, size]);
+  // The first and the last moment of each piece, and every tenth: at a joint of a C1 path the curve has a step.
+  const curve = [...sizes].flatMap((size, k) => (k % 10 === 0 || k % moments === moments - 1 ? [[k / moments, size] as const] : []));
   const top = Math.max(most, 1) * 1.05;
   return (
     <>

@@ -106,8 +106,8 @@ test("weights: the browser's blend at a point is the core's colour", async () =>
   const box = (await page.locator("svg.flat").boundingBox())!;
   // Beside the probe and its lines; the core gets the same point.
   const place = [4.4, 2.2] as const;
-  const { question } = pages.exhibits.get("weights")!;
-  const answer = pages.core.ask("exhibit", { exhibit: "weights", ...question({ probe: place, corners: "3", cut: "first" }) }) as {
+  const { question, defaults } = pages.exhibits.get("weights")!;
+  const answer = pages.core.ask("exhibit", { exhibit: "weights", ...question({ ...(defaults as object), probe: place }) }) as {
     blends: { color: number[] }[];
   };
   const seen = await page.evaluate(
