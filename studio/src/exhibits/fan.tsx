@@ -87,11 +87,11 @@ interface Texts extends CommonTexts {
   ofNeeded(n: string, needed: string): string;
   labelFan: string;
   labelEars: string;
-  left(n: string): string;
+  left(n: number): string;
   complete(corners: string, needed: string): string;
   stuck: string;
   fanWorks: string;
-  fanFails(n: string): string;
+  fanFails(n: number): string;
   earsWork(needed: string): string;
   crosses: string;
   corners: string;
@@ -123,11 +123,14 @@ const texts: Record<Language, Texts> = {
     ofNeeded: (n, needed) => `${n} of ${needed}`,
     labelFan: "Triangles of the fan that fold over",
     labelEars: "Triangles by ear clipping",
-    left: (n) => `Choose another diagonal. ${n} more triangles to come.`,
+    left: (n) => `Choose a diagonal: ${n === 1 ? "one triangle is" : `${n} triangles are`} still missing.`,
     complete: (corners, needed) => `Complete. ${corners} corners give ${needed} triangles, whichever diagonals you choose.`,
     stuck: "The polygon crosses itself: it has no inside that triangles could fill.",
     fanWorks: "All triangles face the same way and fill the polygon.",
-    fanFails: (n) => `${n} triangles face the other way: they lie outside the polygon, and others cover them.`,
+    fanFails: (n) =>
+      n === 1
+        ? "One triangle faces the other way: it reaches outside the polygon, or covers what another one covers."
+        : `${n} triangles face the other way: they reach outside the polygon, or cover what others cover.`,
     earsWork: (needed) => `${needed} triangles, none folded: every polygon that does not cross itself has an ear to cut off.`,
     crosses: "The polygon crosses itself, so some triangle has to fold.",
     corners: "Corners",
@@ -262,7 +265,7 @@ function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
       meaning: isDone
         ? texts.complete(say.whole(state.points.length), say.whole(needed))
         : is_simple
-          ? texts.left(say.whole(needed - cut_off))
+          ? texts.left(needed - cut_off)
           : texts.stuck,
       tone: isDone ? "good" : is_simple ? "plain" : "bad",
     };
@@ -272,7 +275,7 @@ function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
       value: fan.folded,
       shown: say.whole(fan.folded),
       label: texts.labelFan,
-      meaning: fan.folded ? texts.fanFails(say.whole(fan.folded)) : texts.fanWorks,
+      meaning: fan.folded ? texts.fanFails(fan.folded) : texts.fanWorks,
       tone: fan.folded ? "bad" : "good",
     };
   }

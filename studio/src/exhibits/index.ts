@@ -218,8 +218,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 3,
     title: { en: "Pull the cage", zh: "拉动控制网格" },
     claim: {
-      en: "A corner of the cage moves its own part of the surface, by three eighths of the way on a cube.",
-      zh: "网格的一个顶点只牵动自己那部分曲面，在立方体上走八分之三。",
+      en: "A corner of the cage moves most the surface near it: on a cube, by three eighths of its way.",
+      zh: "网格的一个顶点主要牵动近旁的曲面：在立方体上，走它的八分之三。",
     },
     load: () => import("./pull"),
   },

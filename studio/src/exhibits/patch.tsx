@@ -98,7 +98,7 @@ const texts: Record<Language, Texts> = {
     label: (name) => `Weight of ${name} at the dot`,
     share: (name, percent) => `${percent} of the dot’s position comes from ${name}. The sixteen weights sum to one, and none is negative.`,
     labelTriangles: "Triangles",
-    proved: (pixels, bound) => `No point of the patch is farther than ${bound} units from these triangles: proved, and below ${pixels} of a pixel from where you look. Zoom, and it is meshed again.`,
+    proved: (pixels, bound) => `No point of the patch is farther than ${bound} units from these triangles: proved, and less than ${pixels} from where you look. Zoom, and it is meshed again.`,
     tooClose: "The eye is so close that no number of triangles can be promised.",
     scale: (name) => `From 0 to the largest weight of ${name}`,
     sum: "Sum of the weights",
@@ -130,7 +130,7 @@ const texts: Record<Language, Texts> = {
     label: (name) => `${name} 在圆点处的权重`,
     share: (name, percent) => `圆点的位置有 ${percent} 来自 ${name}。十六个权重都不为负，总和为一。`,
     labelTriangles: "三角形",
-    proved: (pixels, bound) => `已证明：曲面上没有一点离这些三角形超过 ${bound} 个单位，从你的位置看不到 ${pixels} 像素。拉近或推远，网格会重新生成。`,
+    proved: (pixels, bound) => `已证明：曲面上没有一点离这些三角形超过 ${bound} 个单位，从你的位置看不超过 ${pixels}。拉近或推远，网格会重新生成。`,
     tooClose: "视点太近，多少三角形都无法保证。",
     scale: (name) => `从 0 到 ${name} 的最大权重`,
     sum: "权重总和",
@@ -257,7 +257,7 @@ function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
       value: triangles?.count ?? null,
       shown: triangles ? say.whole(triangles.count) : "–",
       label: texts.labelTriangles,
-      meaning: triangles ? texts.proved(say.number(state.pixels), say.number(triangles.bound)) : texts.tooClose,
+      meaning: triangles ? texts.proved(texts.pixels(say.number(state.pixels)), say.number(triangles.bound)) : texts.tooClose,
       tone: triangles?.evidence === "proved" ? "good" : "plain",
     };
   }

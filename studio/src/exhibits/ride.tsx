@@ -154,8 +154,8 @@ const vector = (of: Float32Array, i: number): Point => [of[2 * i]!, of[2 * i + 1
 /** The index of the moment. */
 const momentOf = ({ state, answer }: Page) => Math.min(Math.floor(state.time * answer.moments), answer.sizes.length - 1);
 
-/** Every fifth place of the path: enough to look like a curve. */
-const sparse = ({ places }: Answer): Point[] => Array.from({ length: places.length / 2 / 5 }, (_, i) => vector(places, 5 * i));
+/** Every third place of the path: enough to look like a curve. */
+const sparse = ({ places }: Answer): Point[] => Array.from({ length: places.length / 2 / 3 }, (_, i) => vector(places, 3 * i));
 
 function roadOf({ answer }: Page): Float32Array {
   const places = sparse(answer);

@@ -96,7 +96,7 @@ const texts: Record<Language, Texts> = {
     tangent: "Tangent T",
     bitangent: "Bitangent B",
     normal: "Normal N",
-    lengths: "Surface for one step of u, and of v",
+    lengths: "Length of a step of u, of v",
     area: "Signed area in the texture",
     story: [
       "Each corner stores its place in the texture, *u and v*, and they are blended across like any attribute. So the position is a linear function of u and v, and its derivatives are arrows on the triangle: along u the *tangent*, along v the *bitangent*. With the normal they are the axes of *tangent space*.",
