@@ -87,9 +87,9 @@ pub mod batch {
     pub use super::view_dependent_mesher::{TileReuse, ViewDependentMesher};
 }
 
-/// Meshes for one camera that are finest along the outline.
+/// Meshes for one eye that are finest along the outline.
 pub mod outlines {
-    pub use super::patches_to_mesh_by_outline::{OutlineMesh, patches_to_mesh_by_outline};
+    pub use super::patches_to_mesh_by_outline::{OutlineLimit, OutlineMesh, patches_to_mesh_by_outline};
 }
 
 /// Fits paths of few cubics to points and polylines.

@@ -326,17 +326,25 @@ impl CertifiedTiles<'_> {
         self.tiles.iter().fold(0.0, |most, (_, done)| greater(done.bound, most))
     }
 
-    /// The largest bound in pixels of the tiles that may contain the outline; `None` if one has no such bound.
-    pub(crate) fn pixels_at_outline(&self, outline: &OutlineAllowance, lens: &Lens) -> Option<f64> {
-        self.tiles.iter().try_fold(0.0, |worst, (tile, done)| {
+    /// The largest bound of the tiles that may contain the outline, as a length and in pixels; `None` if one has no
+    /// pixels.
+    pub(crate) fn error_at_outline(
+        &self,
+        outline: &OutlineAllowance,
+        lens: Option<&Lens>,
+    ) -> (f64, Option<f64>) {
+        let (mut length, mut most) = (0.0, lens.map(|_| 0.0));
+        for (tile, done) in &self.tiles {
             let subpatch = &self.subpatches[tile.subpatch as usize];
-            if let SubpatchShape::Bezier(patch) = &subpatch.shape
-                && outline.is_clear(&subpatch.tile_patch(patch, tile))
-            {
-                return Some(worst);
+            let SubpatchShape::Bezier(patch) = &subpatch.shape else { continue };
+            if outline.is_clear(&subpatch.tile_patch(patch, tile)) {
+                continue;
             }
-            Some(greater(lens.scale_at(&done.place).pixels_of(done.bound)?, worst))
-        })
+            length = greater(done.bound, length);
+            let pixels = lens.and_then(|lens| lens.scale_at(&done.place).pixels_of(done.bound));
+            most = most.zip(pixels).map(|(most, pixels)| greater(pixels, most));
+        }
+        (length, most)
     }
 }
 
