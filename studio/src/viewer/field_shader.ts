@@ -2,18 +2,18 @@
 import {
   BufferAttribute,
   BufferGeometry,
+  type Camera,
   type Color,
   GLSL3,
   type IUniform,
+  Matrix4,
   Mesh,
-  type PerspectiveCamera,
   RawShaderMaterial,
   Vector3,
   Vector4,
 } from "three";
 import { LIGHT, hex, rampStops } from "./color";
 import type { FieldLayer, Section } from "./layers";
-import { type Size, type View, axesOf, eyeOf, focal } from "./view";
 
 /** The most values that a ray asks for. A ray along a face takes steps of half a pixel. */
 const STEPS = 400;
@@ -37,9 +37,14 @@ void main() {
 const FRAGMENT = `
 precision highp float;
 precision highp int;
-uniform vec3 low, high, eye, right, up, back;
-uniform vec2 spread, depths;
-uniform float slope, pixel;
+uniform vec3 low, high, right, up, back;
+// Points of the near plane, and the ways from there to the far plane: in the middle, and per unit to the right and upwards.
+uniform vec3 from[3], way[3];
+// The rows of the camera's matrix that give depth.
+uniform vec4 deep[2];
+// The size of a pixel at the near plane, and its growth per length.
+uniform vec2 pixel;
+uniform float slope;
 uniform vec4 plane;
 uniform int steps, light, isCut;
 uniform vec3 front, rear, cut;
@@ -53,8 +58,8 @@ const float FAR = 3.0e38;
 
 float encoded(float x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055; }
 
-/** As the camera's projection has it, from the distance along the line of sight. */
-float depth(float along) { return depths.y / (depths.y - depths.x) * (1.0 - depths.x / along); }
+/** As the camera's projection has it. */
+float depth(vec3 p) { return 0.5 + 0.5 * dot(deep[0], vec4(p, 1.0)) / dot(deep[1], vec4(p, 1.0)); }
 
 /** The ramp of heat, in sRGB. */
 vec3 heat(float share) {
@@ -89,15 +94,16 @@ vec3 studio(vec3 paint, vec3 n, vec3 toEye) {
 }
 
 void main() {
-  vec3 d = at.x * spread.x * right + at.y * spread.y * up - back;
-  float stretch = length(d);
-  d /= stretch;
-  // The part of the ray in the box, in front of the eye, and behind the section.
+  vec3 eye = from[0] + at.x * from[1] + at.y * from[2];
+  vec3 d = way[0] + at.x * way[1] + at.y * way[2];
+  float whole = length(d);
+  d /= whole;
+  // The part of the ray in the box, between near and far plane, and behind the section.
   vec3 inverse = 1.0 / d;
   vec3 a = (low - eye) * inverse, b = (high - eye) * inverse;
   vec3 near = min(a, b), far = max(a, b);
-  float start = max(max(near.x, near.y), max(near.z, depths.x));
-  float end = min(min(far.x, far.y), min(far.z, depths.y));
+  float start = max(max(near.x, near.y), max(near.z, 0.0));
+  float end = min(min(far.x, far.y), min(far.z, whole));
   bool isOnPlane = false;
   if (isCut == 1) {
     float height = plane.w - dot(plane.xyz, eye), rate = dot(plane.xyz, d);
@@ -135,7 +141,7 @@ void main() {
       if (t >= end) break;
       outer = t;
       above = value;
-      t = min(t + max(value / slope, 0.5 * pixel * t), end);
+      t = min(t + max(value / slope, 0.5 * (pixel.x + pixel.y * t)), end);
       continue;
     }
     if (value < 0.0) {
@@ -153,10 +159,10 @@ void main() {
     t = outer + (inner - outer) * clamp(share, 0.02, 0.98);
   }
   // Out of steps on a ray that grazes the surface.
-  if (!isHit && (isBracket || (t < end && value < 0.5 * slope * pixel * t))) isHit = true;
+  if (!isHit && (isBracket || (t < end && value < 0.5 * slope * (pixel.x + pixel.y * t)))) isHit = true;
   if (light == 3) {
     color = vec4(heat(log2(1.0 + float(taken)) / log2(1.0 + MOST)), 1.0);
-    gl_FragDepth = isHit ? depth(t / stretch) : 1.0;
+    gl_FragDepth = isHit ? depth(eye + t * d) : 1.0;
     return;
   }
   if (!isHit) discard;
@@ -177,9 +183,11 @@ void main() {
     }
   }
   if (isFlat || light != 2) color = vec4(encoded(lit.r), encoded(lit.g), encoded(lit.b), 1.0);
-  gl_FragDepth = depth(t / stretch);
+  gl_FragDepth = depth(p);
 }`;
 
+type Three = [Vector3, Vector3, Vector3];
+const three = (): Three => [new Vector3(), new Vector3(), new Vector3()];
 type Uniforms = Record<string, IUniform>;
 
 /** The light of a field: that of the viewer's meshes, that of the core's pictures, the normal, or the steps of the ray. */
@@ -194,13 +202,13 @@ export function fieldMesh(layer: FieldLayer, color: (paint: string) => Color): M
     low: { value: new Vector3() },
     high: { value: new Vector3() },
     slope: { value: 1 },
-    eye: { value: new Vector3() },
     right: { value: new Vector3() },
     up: { value: new Vector3() },
     back: { value: new Vector3() },
-    spread: { value: [1, 1] },
-    depths: { value: [0, 1] },
-    pixel: { value: 0 },
+    from: { value: three() },
+    way: { value: three() },
+    deep: { value: [new Vector4(), new Vector4()] },
+    pixel: { value: [0, 0] },
     plane: { value: new Vector4() },
     isCut: { value: 0 },
     steps: { value: STEPS },
@@ -240,25 +248,25 @@ export function renumber(mesh: Mesh, { program: { numbers, box } }: FieldLayer):
   slope!.value = box[6];
 }
 
-/** Takes the view of the camera, the height of the picture in device pixels, and the section. */
-export function aim(mesh: Mesh, view: View, size: Size, camera: PerspectiveCamera, heightPx: number, section?: { of: Section; color: Color }): void {
+/** Takes the camera, whose matrices are current, the size of the picture in device pixels, and the section. */
+export function aim(mesh: Mesh, camera: Camera, widthPx: number, section?: { of: Section; color: Color }): void {
   const uniforms = uniformsOf(mesh);
-  const set = (name: string, value: unknown) => {
-    uniforms[name]!.value = value;
-  };
-  const f = focal(size);
-  const [right, up, back] = axesOf(view);
-  const vector = (v: readonly [number, number, number]) => new Vector3(...v);
-  set("eye", vector(eyeOf(view)));
-  set("right", vector(right));
-  set("up", vector(up));
-  set("back", vector(back));
-  set("spread", [size.width / 2 / f, size.height / 2 / f]);
-  set("pixel", size.height / f / heightPx);
-  set("depths", [camera.near, camera.far]);
-  set("isCut", section ? 1 : 0);
-  if (section) {
-    set("plane", new Vector4(...section.of.normal, section.of.offset));
-    set("cut", section.color);
-  }
+  // Points of a plane of constant depth are linear in those of the picture, for every camera of three.js. In doubles: the far
+  // plane is where single precision ends.
+  const plane = (z: number) => [new Vector3(0, 0, z), new Vector3(1, 0, z), new Vector3(0, 1, z)].map((at) => at.unproject(camera)) as Three;
+  const [near, far] = [plane(-1), plane(1)];
+  const steps = (of: Three): Three => [of[0], of[1].sub(of[0]), of[2].sub(of[0])];
+  const [from, ends] = [steps(near), steps(far)];
+  const way = ends.map((end, k) => end.clone().sub(from[k]!)) as Three;
+  const [narrow, wide] = [from[1], ends[1]].map((row) => (2 * row.length()) / widthPx) as [number, number];
+  uniforms["from"]!.value = from;
+  uniforms["way"]!.value = way;
+  uniforms["pixel"]!.value = [narrow, (wide - narrow) / way[0].length()];
+  const clip = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).elements;
+  uniforms["deep"]!.value = [2, 3].map((row) => new Vector4(...[0, 4, 8, 12].map((column) => clip[row + column]!)));
+  camera.matrixWorld.extractBasis(uniforms["right"]!.value as Vector3, uniforms["up"]!.value as Vector3, uniforms["back"]!.value as Vector3);
+  uniforms["isCut"]!.value = section ? 1 : 0;
+  if (!section) return;
+  uniforms["plane"]!.value = new Vector4(...section.of.normal, section.of.offset);
+  uniforms["cut"]!.value = section.color;
 }

@@ -243,7 +243,7 @@ export class Viewer {
     const { view } = this;
     const camera = this.cameraOf(view);
     for (const shown of this.shown.values()) {
-      if (shown.layer.kind === "field") this.aim(shown.objects[0] as Mesh, view);
+      if (shown.layer.kind === "field") this.trace(shown.objects[0] as Mesh, camera);
       else this.outline(shown, view);
     }
     this.renderer.render(this.scene, camera);
@@ -287,12 +287,9 @@ export class Viewer {
     return reach;
   }
 
-  /** A field is traced in perspective, about the middle of the picture. */
-  private aim(mesh: Mesh, view: View): void {
-    const { clientWidth: width, clientHeight: height } = this.root;
-    if (!width || !height) return;
-    const section = this.section && { of: this.section, color: this.color(this.section.paint) };
-    aim(mesh, view, { width, height }, this.camera, this.canvas.height, section);
+  private trace(mesh: Mesh, camera: PerspectiveCamera | OrthographicCamera): void {
+    camera.updateMatrixWorld();
+    aim(mesh, camera, this.canvas.width, this.section && { of: this.section, color: this.color(this.section.paint) });
   }
 
   private outline({ layer, objects, edges }: Shown, view: View): void {
