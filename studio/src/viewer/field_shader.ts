@@ -161,7 +161,7 @@ void main() {
   // Out of steps on a ray that grazes the surface.
   if (!isHit && (isBracket || (t < end && value < 0.5 * slope * (pixel.x + pixel.y * t)))) isHit = true;
   if (light == 3) {
-    color = vec4(heat(log2(1.0 + float(taken)) / log2(1.0 + MOST)), 1.0);
+    color = vec4(heat(log2(float(max(taken, 1))) / log2(MOST)), 1.0);
     gl_FragDepth = isHit ? depth(eye + t * d) : 1.0;
     return;
   }

@@ -180,6 +180,34 @@ describe("programs", () => {
     expect(counts[0]).toBe(counts[1]);
   });
 
+  test("hides a mesh, and is hidden by it, pixel by pixel", async () => {
+    const source = await glsl("block.star", BLOCK());
+    const above: View = { ...view, elevation: 80 };
+    const blue = async (square: number) => {
+      const picture = await page.evaluate(([source, view, square]) => pictureOf(source, view, "plain", { square }), [source, above, square] as const);
+      return picture!.filter((x, i) => i % 4 === 2 && x > 200 && picture![i - 2]! < 50).length;
+    };
+    // The top is at 0.5. From above one sees a square above it, and through the hole a part of one within it.
+    const [over, within, below] = [await blue(0.6), await blue(0.4), await blue(-0.6)];
+    expect(over).toBeGreaterThan(2000);
+    expect(within).toBeGreaterThan(over / 20);
+    expect(within).toBeLessThan(over / 4);
+    expect(below).toBeLessThanOrEqual(within);
+  });
+
+  test("is cut open by a section, with the paint of its inside", async () => {
+    const source = await glsl("block.star", BLOCK());
+    const section = { normal: [0, 0, 1], offset: 0.1, paint: "#00ff00" } as const;
+    const above: View = { ...view, elevation: 80 };
+    const cut = await page.evaluate(([source, view, section]) => pictureOf(source, view, "plain", { section }), [source, above, section] as const);
+    const green = cut!.filter((x, i) => i % 4 === 1 && x > 240 && cut![i - 1]! < 10).length;
+    const whole = await page.evaluate(([source, view]) => pictureOf(source, view, "plain"), [source, above] as const);
+    const covered = whole!.filter((x, i) => i % 4 === 3 && x > 0).length;
+    // The top without the hole is most of the picture from above.
+    expect(green / covered).toBeGreaterThan(0.6);
+    expect(green / covered).toBeLessThan(0.95);
+  });
+
   test("a context that is lost is said, and comes back", async () => {
     const source = await glsl("block.star", BLOCK());
     const before = await page.evaluate(([source, view]) => pictureOf(source, view, "plain"), [source, view] as const);

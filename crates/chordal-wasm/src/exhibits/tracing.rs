@@ -8,6 +8,7 @@ use chordal::implicit::Field;
 use chordal::implicit::evaluation::Tape;
 use chordal::implicit::query::{Beam, SphereTrace, SphereTraceEnd, sphere_trace};
 use chordal::implicit::shapes::{capsule, circle, cuboid, cylinder, rounded_rectangle, segment, sphere};
+use chordal::math::Box3;
 use serde_json::json;
 use std::sync::OnceLock;
 
@@ -95,13 +96,14 @@ fn shapes() -> Result<Field, String> {
     Ok(ball.union(&wall).union(&bar))
 }
 
-/// A wall with a hole, a ball and a bar in space.
+/// A wall with a hole, a ball and a bar in space, in a box around every eye, so that all rays are traced.
 fn solids() -> Result<Field, String> {
     let hole = or_text(or_text(cylinder(0.75, 2.0))?.rotated_deg([1.0, 0.0, 0.0], 90.0))?;
     let wall = or_text(or_text(cuboid([3.0, 0.7, 2.6]))?.difference(&hole).moved([0.0, 1.2, 0.0]))?;
     let ball = or_text(or_text(sphere(0.8))?.moved([-0.9, -0.7, -0.5]))?;
     let bar = or_text(capsule([-0.1, -1.5, -1.0], [1.5, 0.0, -0.2], 0.3))?;
-    Ok(wall.union(&ball).union(&bar))
+    let everything = Box3 { min: [-40.0; 3], max: [40.0; 3] };
+    Ok(wall.union(&ball).union(&bar).with_bounds(everything))
 }
 
 #[cfg(test)]

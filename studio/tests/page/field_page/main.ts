@@ -1,6 +1,13 @@
 // Fields on the graphics card, for the tests that compare them with the core: values at points, and pictures.
-import { type FieldLayer, type View, fieldProgram } from "../../../src/viewer";
+import { type FieldLayer, type MeshLayer, type Section, type View, fieldProgram } from "../../../src/viewer";
 import { Viewer } from "../../../src/viewer/viewer";
+
+/** What is in the picture beside the field. */
+interface Beside {
+  section?: Section;
+  /** The height of a blue square of half size 1 across z. */
+  square?: number;
+}
 
 declare global {
   /** The field and its gradient at points: x, y, z, value of each. */
@@ -10,7 +17,7 @@ declare global {
   /** Four numbers of an expression of `p`, at points. */
   var evaluated: (source: string, of: string, points: number[]) => number[];
   /** The bytes of a picture; `null` if the field cannot be drawn. */
-  var pictureOf: (source: string, view: View, light: FieldLayer["light"]) => Promise<number[] | null>;
+  var pictureOf: (source: string, view: View, light: FieldLayer["light"], beside?: Beside) => Promise<number[] | null>;
   /** The bytes of an encoded picture. */
   var pixelsOf: (png: number[]) => Promise<number[]>;
   /** Milliseconds from the call to the first picture, and the number of programs that three.js has. */
@@ -79,19 +86,25 @@ globalThis.valuesAt = (source, points) => evaluated(source, `vec4(${nameOf(sourc
 const viewer = new Viewer(document.getElementById("view")!);
 globalThis.said = [];
 
-function draw(source: string, view: View, light: FieldLayer["light"]): Promise<boolean> {
+function square(z: number): MeshLayer {
+  const positions = Float32Array.of(-1, -1, z, 1, -1, z, 1, 1, z, -1, 1, z);
+  return { kind: "mesh", id: "square", positions, indices: Uint32Array.of(0, 1, 2, 0, 2, 3), paint: "#0000ff", shading: "none", sides: "both" };
+}
+
+function draw(source: string, view: View, light: FieldLayer["light"], { section, square: z }: Beside = {}): Promise<boolean> {
   viewer.look(view);
   return new Promise((resolve) => {
     const drawn = (isDrawn: boolean) => {
       said.push(isDrawn);
       resolve(isDrawn);
     };
-    viewer.draw({ layers: [{ kind: "field", id: "field", program: fieldProgram(source), paint: "#db8654", light: light ?? "plain", drawn }] });
+    const field: FieldLayer = { kind: "field", id: "field", program: fieldProgram(source), paint: "#db8654", light: light ?? "plain", drawn };
+    viewer.draw({ layers: z === undefined ? [field] : [field, square(z)], ...(section ? { section } : {}) });
   });
 }
 
-globalThis.pictureOf = async (source, view, light) => {
-  if (!(await draw(source, view, light))) return null;
+globalThis.pictureOf = async (source, view, light, beside) => {
+  if (!(await draw(source, view, light, beside))) return null;
   const drawn = viewer.now();
   const copy = Object.assign(document.createElement("canvas"), { width: drawn.width, height: drawn.height });
   const pencil = copy.getContext("2d")!;
