@@ -4,7 +4,7 @@
 export interface FieldProgram {
   /** The functions `field` and `field_dual`, which read `numbers`. */
   code: string;
-  /** The numbers of the text in their order, padded to a multiple of 4. */
+  /** The numbers of both functions in the order of the text, padded to a multiple of 4. */
   numbers: Float32Array;
   /** The lower and the upper corner of the box, and the Lipschitz constant. */
   box: Float32Array;
@@ -26,24 +26,17 @@ export function fieldProgram(text: string, vectors = FEWEST_VECTORS): FieldProgr
   };
   const box = Float32Array.from([...constant("low"), ...constant("high"), ...constant("slope")]);
   if (box.length !== 7) throw new Error("a field in GLSL without its box");
-  // The two functions contain the same numbers in the same order.
   const numbers: number[] = [];
-  let count = 0;
-  const lifted = (body: string) => {
-    let next = 0;
-    const changed = body.replace(NUMBER, (number) => {
-      const k = next++;
-      numbers[k] = Number(number.replace(/[()]/g, ""));
+  const lifted = (body: string) =>
+    body.replace(NUMBER, (number) => {
+      const k = numbers.push(Number(number.replace(/[()]/g, ""))) - 1;
       return `numbers[${k >> 2}].${"xyzw"[k & 3]}`;
     });
-    count = Math.max(count, next);
-    return changed;
-  };
   const main = new RegExp(`^(?:float ${name}|vec4 ${name}_dual)\\(vec3 p\\) \\{\\n[^}]*\\}`, "gm");
   const functions = text.replace(/^const .*\n/gm, "").replace(/^\/\/.*\n/gm, "");
   const changed = functions.replace(main, lifted);
-  const isLifted = count <= 4 * vectors;
-  const rows = Math.max(Math.ceil(count / 4), 1);
+  const isLifted = numbers.length <= 4 * vectors;
+  const rows = Math.max(Math.ceil(numbers.length / 4), 1);
   const code = (isLifted ? changed : functions).replace(new RegExp(`\\b${name}(_dual)?\\(`, "g"), "field$1(");
   return {
     code: isLifted ? `uniform vec4 numbers[${rows}];\n${code}` : code,

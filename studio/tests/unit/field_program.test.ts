@@ -24,14 +24,15 @@ vec4 block_dual(vec3 p) {
 `;
 
 describe("a program", () => {
-  test("has the numbers of both functions once, and the box", () => {
+  test("has the numbers of both functions, and the box", () => {
     const { code, numbers, box } = fieldProgram(source(1.25, 1e-3));
-    expect([...numbers]).toEqual([1.25, -2.5, Math.fround(1e-3), 0]);
+    const three = [1.25, -2.5, Math.fround(1e-3)];
+    expect([...numbers]).toEqual([...three, ...three, 0, 0]);
     expect([...box].map((x) => Number(x.toPrecision(6)))).toEqual([-1.5, -1.5, -1e-7, 1.5, 1.5, 0.5, 1]);
-    expect(code).toContain("uniform vec4 numbers[1];");
+    expect(code).toContain("uniform vec4 numbers[2];");
     expect(code).toContain("float field(vec3 p) {");
     expect(code).toContain("float t1e5 = block_round(t0) * numbers[0].y;");
-    expect(code).toContain("vec4 t0 = block_abs(vec4(1, 0, 0, p.x)) - vec4(0, 0, 0, numbers[0].x);");
+    expect(code).toContain("vec4 t0 = block_abs(vec4(1, 0, 0, p.x)) - vec4(0, 0, 0, numbers[0].w);");
     // Helpers keep theirs.
     expect(code).toContain("floor(abs(a) + 0.5)");
     expect(code).not.toContain("const");

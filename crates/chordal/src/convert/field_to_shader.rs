@@ -353,7 +353,7 @@ mod tests {
             let hole = cylinder(radius, 3.0).expect("a hole").moved([0.25 * width, 0.0, 0.0]);
             source_of(&cuboid([width, 2.0, 1.0]).expect("a box").difference(&hole))
         };
-        let (one, other) = (block(2.0, 0.4), block(3.5, 0.7));
+        let (one, other) = (block(2.0, 0.4), block(3.531_25, 0.712_345));
         assert!(one != other && without_numbers(&one) == without_numbers(&other), "{one}\n{other}");
     }
 

@@ -44,7 +44,13 @@ pub trait ShaderPrinter {
 }
 
 /// A longer text gets a name of its own, even if it is used once. Chosen: a line has some hundred characters.
-const LONGEST: usize = 88;
+const LONGEST: usize = 64;
+
+/// The length of a text without its numbers, which must not decide what gets a name: other numbers are to leave the
+/// statements as they are.
+fn length(text: &str) -> usize {
+    text.chars().filter(|c| !c.is_ascii_digit() && !matches!(c, '.' | '-' | 'e' | '(' | ')')).count()
+}
 
 /// The statements that compute all terms, and the text of the last one. Terms that are used more than once get a name.
 /// None if a term is a leaf.
@@ -73,7 +79,7 @@ pub fn statements(terms: &[Term], printer: &mut impl ShaderPrinter) -> Option<(V
             Term::Leaf(..) => return None,
         };
         let is_last = k + 1 == terms.len();
-        let is_named = !is_simple && !is_last && (uses[k] > 1 || text.text.len() > LONGEST);
+        let is_named = !is_simple && !is_last && (uses[k] > 1 || length(&text.text) > LONGEST);
         texts.push(if is_named {
             let name = format!("t{}", lines.len());
             lines.push(printer.declaration(&name, &text.text));
