@@ -48,6 +48,8 @@ async function glsl(name: string, bytes: Uint8Array, options: string[] = []): Pr
   return new TextDecoder().decode(outcome.outputs["shape.glsl"]);
 }
 
+const bytesOf = (base64: string | null) => [...Buffer.from(base64!, "base64")];
+
 /** Points in a cube of half size 1, off all lattices, so that no jump of an operation lies on one. */
 const POINTS = Array.from({ length: 600 }, (_, k) => 2 * ((0.3819 + k * 0.7548776662) % 1) - 1);
 
@@ -152,11 +154,10 @@ describe("pictures", () => {
     const view: View = { azimuth: 35, elevation: 28, distance, target };
     const picture = await work(["render", name, ...options, "--show", "normals", "--view", cameraText(view, SIZE, null), "-o", "core.png"], { [name]: bytes });
     expect(picture.exit, picture.stderr).toBe(0);
-    const core = await page.evaluate((png) => pixelsOf(png), [...picture.outputs["core.png"]!]);
+    const core = await page.evaluate((png) => pixelsOf(png), Buffer.from(picture.outputs["core.png"]!).toString("base64"));
     const card = await page.evaluate(([source, view]) => pictureOf(source, view, "normals"), [source, view] as const);
     expect(card, "it is drawn").not.toBeNull();
-    const compared = compare(core, card!);
-    console.log(name, source.length, compared);
+    const compared = compare(bytesOf(core), bytesOf(card));
     // Chosen: the core has nine rays in a pixel of the outline and of a crease, the card has one.
     expect(compared.covered).toBeGreaterThan(1000);
     expect(compared.elsewhere).toBe(0);
@@ -184,8 +185,8 @@ describe("programs", () => {
     const source = await glsl("block.star", BLOCK());
     const above: View = { ...view, elevation: 80 };
     const blue = async (square: number) => {
-      const picture = await page.evaluate(([source, view, square]) => pictureOf(source, view, "plain", { square }), [source, above, square] as const);
-      return picture!.filter((x, i) => i % 4 === 2 && x > 200 && picture![i - 2]! < 50).length;
+      const picture = bytesOf(await page.evaluate(([source, view, square]) => pictureOf(source, view, "plain", { square }), [source, above, square] as const));
+      return picture.filter((x, i) => i % 4 === 2 && x > 200 && picture[i - 2]! < 50).length;
     };
     // The top is at 0.5. From above one sees a square above it, and through the hole a part of one within it.
     const [over, within, below] = [await blue(0.6), await blue(0.4), await blue(-0.6)];
@@ -199,10 +200,10 @@ describe("programs", () => {
     const source = await glsl("block.star", BLOCK());
     const section = { normal: [0, 0, 1], offset: 0.1, paint: "#00ff00" } as const;
     const above: View = { ...view, elevation: 80 };
-    const cut = await page.evaluate(([source, view, section]) => pictureOf(source, view, "plain", { section }), [source, above, section] as const);
-    const green = cut!.filter((x, i) => i % 4 === 1 && x > 240 && cut![i - 1]! < 10).length;
-    const whole = await page.evaluate(([source, view]) => pictureOf(source, view, "plain"), [source, above] as const);
-    const covered = whole!.filter((x, i) => i % 4 === 3 && x > 0).length;
+    const cut = bytesOf(await page.evaluate(([source, view, section]) => pictureOf(source, view, "plain", { section }), [source, above, section] as const));
+    const green = cut.filter((x, i) => i % 4 === 1 && x > 240 && cut[i - 1]! < 10).length;
+    const whole = bytesOf(await page.evaluate(([source, view]) => pictureOf(source, view, "plain"), [source, above] as const));
+    const covered = whole.filter((x, i) => i % 4 === 3 && x > 0).length;
     // The top without the hole is most of the picture from above.
     expect(green / covered).toBeGreaterThan(0.6);
     expect(green / covered).toBeLessThan(0.95);

@@ -16,10 +16,10 @@ declare global {
   var valuesAt: (source: string, points: number[]) => number[];
   /** Four numbers of an expression of `p`, at points. */
   var evaluated: (source: string, of: string, points: number[]) => number[];
-  /** The bytes of a picture; `null` if the field cannot be drawn. */
-  var pictureOf: (source: string, view: View, light: FieldLayer["light"], beside?: Beside) => Promise<number[] | null>;
-  /** The bytes of an encoded picture. */
-  var pixelsOf: (png: number[]) => Promise<number[]>;
+  /** The bytes of a picture in base 64, since long arrays take seconds to the test; `null` if the field cannot be drawn. */
+  var pictureOf: (source: string, view: View, light: FieldLayer["light"], beside?: Beside) => Promise<string | null>;
+  /** The bytes of an encoded picture, both in base 64. */
+  var pixelsOf: (png: string) => Promise<string>;
   /** Milliseconds from the call to the first picture, and the number of programs that three.js has. */
   var timed: (source: string, view: View) => Promise<{ ms: number; programs: number }>;
   /** Loses the graphics context, or restores it. */
@@ -103,21 +103,23 @@ function draw(source: string, view: View, light: FieldLayer["light"], { section,
   });
 }
 
+const inBase64 = (bytes: Uint8ClampedArray) => btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
+
 globalThis.pictureOf = async (source, view, light, beside) => {
   if (!(await draw(source, view, light, beside))) return null;
   const drawn = viewer.now();
   const copy = Object.assign(document.createElement("canvas"), { width: drawn.width, height: drawn.height });
   const pencil = copy.getContext("2d")!;
   pencil.drawImage(drawn, 0, 0);
-  return [...pencil.getImageData(0, 0, drawn.width, drawn.height).data];
+  return inBase64(pencil.getImageData(0, 0, drawn.width, drawn.height).data);
 };
 
 globalThis.pixelsOf = async (png) => {
-  const bitmap = await createImageBitmap(new Blob([Uint8Array.from(png)]), { premultiplyAlpha: "none", colorSpaceConversion: "none" });
+  const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(png), (c) => c.charCodeAt(0))]), { premultiplyAlpha: "none", colorSpaceConversion: "none" });
   const copy = Object.assign(document.createElement("canvas"), { width: bitmap.width, height: bitmap.height });
   const pencil = copy.getContext("2d")!;
   pencil.drawImage(bitmap, 0, 0);
-  return [...pencil.getImageData(0, 0, bitmap.width, bitmap.height).data];
+  return inBase64(pencil.getImageData(0, 0, bitmap.width, bitmap.height).data);
 };
 
 globalThis.timed = async (source, view) => {
