@@ -67,7 +67,7 @@ export function axesOf(view: View): readonly [Vec3, Vec3, Vec3] {
 }
 
 /** Pixels per unit of length at distance 1. */
-const focal = ({ width, height }: Size) => Math.min(height, width / ASPECT) / 2 / Math.tan(radians(FOV_DEG) / 2);
+export const focal = ({ width, height }: Size) => Math.min(height, width / ASPECT) / 2 / Math.tan(radians(FOV_DEG) / 2);
 
 /** The vertical field of view, in degrees. */
 export const fovOf = (size: Size) => (2 * Math.atan(size.height / 2 / focal(size)) * 180) / Math.PI;
