@@ -72,6 +72,9 @@ export const focal = ({ width, height }: Size) => Math.min(height, width / ASPEC
 /** The vertical field of view, in degrees. */
 export const fovOf = (size: Size) => (2 * Math.atan(size.height / 2 / focal(size)) * 180) / Math.PI;
 
+/** The part of a picture of that size in which everything has the same size as in all of it. */
+export const framed = ({ width, height }: Size): Size => ({ width: Math.min(width, ASPECT * height), height: Math.min(height, width / ASPECT) });
+
 export interface Projector {
   /** The position of a point in the picture, in pixels from the upper left, and its depth. */
   to(point: Vec3): readonly [x: number, y: number, depth: number];

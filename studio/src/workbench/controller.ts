@@ -1,7 +1,7 @@
 // Holds the state of the workbench, starts runs of the command, and notifies the view. It computes nothing itself.
 // Long because whatever starts or ends a run depends on all the others.
 import type { Size, Vec3, View } from "../viewer";
-import { fovOf } from "../viewer/view";
+import { fovOf, framed } from "../viewer/view";
 import type { Files, Outcome, Progress } from "./command";
 import {
   type Bench,
@@ -617,8 +617,9 @@ export class Controller {
     // draft are soon replaced by the proof's.
     if (!this.isBesideShown || kind === "sliced" || !shown || (kind !== "traced" && shown.isDraft)) return;
     // Overshading is counted per pixel of this screen, so its picture must not be smaller.
-    const ratio = kind === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));
-    const dots = { width: Math.round(size.width * ratio), height: Math.round(size.height * ratio) };
+    const seen = kind === "overshade" ? size : framed(size);
+    const ratio = kind === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (seen.width * seen.height)));
+    const dots = { width: Math.round(seen.width * ratio), height: Math.round(seen.height * ratio) };
     const { parts, certificate } = shown;
     const subject = { bench: current, parts, up: this.framed?.up ?? null, atMost: certificate.bound?.at_most ?? null };
     const { line, files } = pictureLine(kind, subject, view, dots);

@@ -26,8 +26,6 @@ export interface Texts {
   budgets: { tol: string; px: string; triangles: string };
   budgetHints: { tol: string; px(screen: string, isNear: boolean): string; triangles: string };
   mesh: string;
-  field: string;
-  both: string;
   shows: { shaded: string; wire: string; normals: string; culled: string };
   section: string;
   cutAt: string;
@@ -38,7 +36,6 @@ export interface Texts {
   overshadeSays(lanes: string, small: number, triangles: number): string;
   noField: string;
   bakeForSlice: string;
-  certificate: string;
   draft: string;
   /** For a draft whose proof failed or was stopped. */
   draftOnly: string;
@@ -66,7 +63,6 @@ export interface Texts {
   noNumber: string;
   worst: string;
   short: string;
-  findings: string;
   sound: string;
   /** Shows `n` places, all or only the first. */
   showPlaces(n: string, isPart: boolean): string;
@@ -132,8 +128,6 @@ export const TEXTS: Record<Language, Texts> = {
       triangles: "the best mesh with at most this many",
     },
     mesh: "Mesh",
-    field: "Field",
-    both: "Both",
     shows: { shaded: "Surface", wire: "Edges", normals: "Normals", culled: "Backs culled" },
     section: "Cut open",
     cutAt: "Position of the cut",
@@ -145,7 +139,6 @@ export const TEXTS: Record<Language, Texts> = {
       `${lanes} GPU lanes per pixel; ${small} of ${triangles} triangles are too small to be seen from here.`,
     noField: "This shape is not a field. Bake it to see its distance.",
     bakeForSlice: "Sample the distance",
-    certificate: "Certificate",
     draft: "A draft with unknown error. The proof is running.",
     draftOnly: "A draft with unknown error: its proof failed or was stopped.",
     outdated: "This is the last valid shape, not the current input.",
@@ -170,7 +163,6 @@ export const TEXTS: Record<Language, Texts> = {
     noNumber: "not a number",
     worst: "Go to the worst place",
     short: "The budget was not met; this is the best that was reached.",
-    findings: "Defects",
     sound: "No defects were found: the mesh is sound.",
     showPlaces: (n, isPart) => (isPart ? `Show the first ${n}` : n === "1" ? "Show it" : `Show all ${n}`),
     place: (n) => `Turn to place ${n}`,
@@ -240,8 +232,6 @@ export const TEXTS: Record<Language, Texts> = {
       triangles: "不超过这个数目的最佳网格",
     },
     mesh: "网格",
-    field: "场",
-    both: "并排",
     shows: { shaded: "表面", wire: "边", normals: "法线", culled: "剔除背面" },
     section: "剖开",
     cutAt: "剖切位置",
@@ -252,7 +242,6 @@ export const TEXTS: Record<Language, Texts> = {
     overshadeSays: (lanes, small, triangles) => `每个像素占用图形处理器 ${lanes} 个通道；${triangles} 个三角形中有 ${small} 个从这里看小到看不见。`,
     noField: "这个形状不是场。烘焙后即可看到距离。",
     bakeForSlice: "采样距离",
-    certificate: "证书",
     draft: "草稿，误差未知；证明正在进行。",
     draftOnly: "草稿，误差未知：证明失败或已停止。",
     outdated: "显示的是上一个成功的形状，不是现在的内容。",
@@ -277,7 +266,6 @@ export const TEXTS: Record<Language, Texts> = {
     noNumber: "不是数",
     worst: "转到误差最大处",
     short: "预算未能满足；这是达到的最好结果。",
-    findings: "缺陷",
     sound: "没有发现缺陷：网格是健全的。",
     showPlaces: (n, isPart) => (isPart ? `显示前 ${n} 处` : `显示 ${n} 处`),
     place: (n) => `转到第 ${n} 处`,

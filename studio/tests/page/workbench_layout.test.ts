@@ -146,9 +146,9 @@ test("distances, walls and edges of a box are measured on its mesh, by pointer a
   expect(await value("edge")).toBeCloseTo(4, 5);
   await page.getByLabel("Measure").selectOption("distance");
   await page.mouse.click(left + 3, top + 3);
-  await page.mouse.click(right - 3, bottom - 3);
+  await page.mouse.click(left + 3, bottom - 3);
   await page.locator('[data-result="distance"]').waitFor();
-  expect(await value("distance")).toBeCloseTo(Math.hypot(4, 2), 5);
+  expect(await value("distance")).toBeCloseTo(2, 5);
   await page.keyboard.press("Escape");
   await expect.poll(() => page.locator("[data-result]").count()).toBe(0);
   await page.keyboard.press("Escape");

@@ -2,6 +2,8 @@
 import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { expect, test } from "vitest";
+import { LAYOUT_TEXTS } from "../../src/workbench/layout/texts";
+import { MEASURE_TEXTS } from "../../src/workbench/measure/texts";
 import { PANEL_TEXTS } from "../../src/workbench/panel_texts";
 import { TEXTS } from "../../src/workbench/texts";
 
@@ -22,8 +24,12 @@ function paths(of: object, prefix = ""): [path: string, values: number][] {
 }
 
 test("are the same in both languages, in the same order, and take the same parameters", () => {
-  expect(paths(TEXTS.zh)).toEqual(paths(TEXTS.en));
-  expect(paths(PANEL_TEXTS.zh)).toEqual(paths(PANEL_TEXTS.en));
+  for (const texts of [TEXTS, LAYOUT_TEXTS, MEASURE_TEXTS, PANEL_TEXTS]) expect(paths(texts.zh)).toEqual(paths(texts.en));
+});
+
+test("of panels, tools and measuring are all used", () => {
+  const isUsed = (key: string) => new RegExp(`\\b(texts|measuring|words)\\.${key}\\b`).test(source);
+  for (const texts of [LAYOUT_TEXTS, MEASURE_TEXTS]) expect(Object.keys(texts.en).filter((key) => !isUsed(key))).toEqual([]);
 });
 
 test("are all used", () => {

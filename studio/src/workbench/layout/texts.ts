@@ -32,7 +32,6 @@ export interface LayoutTexts {
   minutesLeft(minutes: string): string;
   asItIs: string;
   said: string;
-  more(n: string): string;
 }
 
 export const LAYOUT_TEXTS: Record<Language, LayoutTexts> = {
@@ -69,19 +68,18 @@ export const LAYOUT_TEXTS: Record<Language, LayoutTexts> = {
     minutesLeft: (minutes) => `about ${minutes} min left`,
     asItIs: "The file as it is. Its mesh within the budget is being made.",
     said: "The script says",
-    more: (n) => `and ${n} more`,
   },
   zh: {
     panels: "面板",
-    panel: { input: "脚本与预算", certificate: "证书", findings: "问题", beside: "场", change: "改形", export: "导出" },
-    short: { input: "脚本", certificate: "证书", findings: "问题", beside: "场", change: "改形", export: "导出" },
+    panel: { input: "脚本与预算", certificate: "证书", findings: "问题", beside: "场", change: "修改", export: "导出" },
+    short: { input: "脚本", certificate: "证书", findings: "问题", beside: "场", change: "修改", export: "导出" },
     close: "关闭",
     resize: {
       input: "脚本面板的大小",
       certificate: "证书面板的大小",
       findings: "问题面板的大小",
       beside: "场面板的大小",
-      change: "改形面板的大小",
+      change: "修改面板的大小",
       export: "导出面板的大小",
     },
     tools: "图形工具",
@@ -104,6 +102,5 @@ export const LAYOUT_TEXTS: Record<Language, LayoutTexts> = {
     minutesLeft: (minutes) => `约剩 ${minutes} 分钟`,
     asItIs: "这是文件原样；符合预算的网格正在生成。",
     said: "脚本输出",
-    more: (n) => `还有 ${n} 行`,
   },
 };
