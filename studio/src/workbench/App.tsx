@@ -69,7 +69,8 @@ export function App({ language, state, control }: Props) {
     const line = textOf(bench).slice(0, place).split("\n").length;
     void control.trace().then((trace) => trace?.bench === control.state.bench && setChosen(trace.sites.filter((site) => site.line === line)));
   };
-  const tapped = (at: Vec3, normal: Vec3) => {
+  const tapped = (at?: Vec3, normal?: Vec3) => {
+    if (!at || !normal) return setChosen([]);
     void control?.trace().then((trace) => {
       const site = trace?.bench === control.state.bench ? siteAt(trace, at, normal) : undefined;
       setChosen(site ? [site] : []);
@@ -161,7 +162,6 @@ export function App({ language, state, control }: Props) {
           ))}
         </nav>
       </header>
-      <PanelButtons names={names} language={language} control={layout} counts={findings?.length ? { findings: say.whole(findings.length) } : {}} />
       <main>
         {!control && (
           <noscript>
@@ -171,6 +171,8 @@ export function App({ language, state, control }: Props) {
           </noscript>
         )}
         <Stage page={page} marked={marked} layout={layout} covered={covered} step={step} unit={unit} extra={extra} tapped={tapped} chosen={chosen} />
+        {/* After the picture, so that keys reach that within ten stops. */}
+        <PanelButtons names={names} language={language} control={layout} counts={findings?.length ? { findings: say.whole(findings.length) } : {}} />
         <Panel name="input" language={language} control={layout}>
           <Inputs page={page} />
         </Panel>

@@ -59,8 +59,8 @@ interface StageProps {
   extra: readonly Layer[];
   /** The calls of the script whose faces are marked. */
   chosen: readonly CallSite[];
-  /** A point of a face was pressed while nothing is measured. */
-  tapped(at: Vec3, normal: Vec3): void;
+  /** A point of a face was pressed while nothing is measured; without one, nothing is to be marked any more. */
+  tapped(at?: Vec3, normal?: Vec3): void;
 }
 
 export function Stage({ page, marked, layout, covered, step, unit, extra, chosen, tapped }: StageProps) {
@@ -103,6 +103,7 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
   const press = (x: number, y: number) => {
     const found = under(x, y);
     if (found) tapped(found.at, faceNormal(solid.current!, found.face));
+    else tapped();
   };
   const toggleParallel = () => control?.look({ ...control.state.view, isParallel: !control.state.view.isParallel });
 
@@ -120,7 +121,8 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
       else if (pressed === "f") control?.look(fitted(control.state.view, home));
       else if (pressed === "m") measures.choose(measures.tool ? TOOLS[TOOLS.indexOf(measures.tool) + 1] ?? null : "distance");
       else if (key === "Enter" && measures.tool) measures.press(at(), ...centre);
-      else if (key !== "Escape" || !measures.clear()) return false;
+      else if (key !== "Escape") return false;
+      else if (!measures.clear()) tapped();
       return true;
     },
   };
@@ -182,7 +184,7 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
       />
       <Measure page={page} setSize={setSize} />
       <div class="over-picture">
-        <div class="tools" role="toolbar" aria-label={texts.tools}>
+        <div class="tools" role="group" aria-label={texts.tools}>
           <select aria-label={texts.look} value={look} onChange={(event) => setLook(event.currentTarget.value as Look)}>
             {LOOKS.map((value) => (
               <option key={value} value={value}>

@@ -1,8 +1,8 @@
 // Holds the state of the workbench, starts runs of the command, and notifies the view. It computes nothing itself.
-// Long because whatever starts or ends a run depends on all the others.
+// Long because all runs share one state, and each decides from it whether it is still wanted.
 import type { Size, Vec3, View } from "../viewer";
 import { fovOf, framed } from "../viewer/view";
-import type { Files, Outcome, Progress } from "./command";
+import type { Files, Outcome } from "./command";
 import {
   type Bench,
   type Line,
@@ -29,8 +29,9 @@ import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
 import type { Trace } from "./trace/faces";
 import { shadowOf } from "./trace/shadow";
+import { withLeft } from "./progress";
 import type { Shelf } from "./shelf";
-import type { LaneName, Notice, Running, Shown, State } from "./state";
+import type { LaneName, Notice, Shown, State } from "./state";
 
 /** A part of docs/schema/language.schema.json. */
 interface LanguageTable {
@@ -52,8 +53,6 @@ const PAUSE_MS = 1000;
  * Chosen: a view from near may at most about double the budget's triangles, because the proof runs unasked; levels run on demand.
  */
 const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
-/** The time left is told from so far on: earlier it jumps. */
-const LEFT_AFTER = { seconds: 2, percent: 3 };
 /** A mesh file of more bytes is shown as it is before its own mesh is made. Chosen: a smaller one takes less than a second. */
 const SHOWN_FIRST = 1e6;
 /** The command's exit code for an unknown option. */
@@ -696,15 +695,6 @@ export class Controller {
     due.forEach(({ resolve }) => resolve());
     this.notify();
   }
-}
-
-/** A stage's progress with the seconds that it probably still takes: as fast as so far. */
-function withLeft(progress: Progress, before: Running | undefined): Running {
-  const now = performance.now();
-  const since = before?.stage === progress.stage ? before.since : { at: now, percent: progress.percent };
-  const [seconds, done] = [(now - since.at) / 1000, progress.percent - since.percent];
-  const isKnown = seconds >= LEFT_AFTER.seconds && done >= LEFT_AFTER.percent;
-  return { ...progress, since, left: isKnown ? (seconds * (100 - progress.percent)) / done : null };
 }
 
 /** A file name that the command does not parse as an option. */

@@ -66,7 +66,7 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
 
   const handles = dragging({ ended: () => change(view.state.doc.toString(), false) });
   const changeListener = EditorView.updateListener.of((update) => {
-    if (update.selectionSet && !isOfPage && !isRevealing) options.moved?.(update.state.selection.main.head);
+    if (update.selectionSet && !update.docChanged && !isOfPage && !isRevealing) options.moved?.(update.state.selection.main.head);
     if (update.docChanged && !isOfPage) change(update.state.doc.toString(), handles.isDragging(view));
   });
 

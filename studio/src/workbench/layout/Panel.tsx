@@ -79,7 +79,7 @@ function Edge({ name, label, control }: { name: PanelName; label: string; contro
 }
 
 /** The height of the bars below a sheet. */
-const bars = (): number => [...document.querySelectorAll(".bench > .status, .bench > .tabs-of-panels")].reduce((sum, one) => sum + one.clientHeight, 0);
+const bars = (): number => [...document.querySelectorAll(".status, .tabs-of-panels")].reduce((sum, one) => sum + one.clientHeight, 0);
 
 /** The buttons that open the panels. */
 export function PanelButtons({ names, language, control, counts }: Omit<PanelProps, "name" | "children"> & { names: readonly PanelName[]; counts: Partial<Record<PanelName, string>> }) {

@@ -29,7 +29,7 @@ export function Status({ page, control, square, unit }: { page: Page; control: L
           {isOutdated(state) && ` · ${texts.older}`}
         </span>
       </button>
-      <Working page={page} lanes={["proof", "draft"]} />
+      <Working page={page} lanes={["proof", "draft", "trace"]} />
       <span class="scale">
         {unit || texts.noUnit}
         {square && ` · ${texts.square(square)}`}

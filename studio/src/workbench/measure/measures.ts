@@ -19,8 +19,7 @@ export const distance = (a: Vec3, b: Vec3): number => Math.hypot(...minus(a, b))
 
 /** The spot under a pixel: a corner of the shape, else a point of an edge, else of a face. `isShown` leaves out what a section cut away. */
 export function spotAt(solid: Solid, at: Projector, x: number, y: number, isShown: (at: Vec3) => boolean): Spot | undefined {
-  const origin = at.origin(x, y);
-  const under = hit(solid, origin, at.ray(x, y), 0, isShown);
+  const under = faceAt(solid, at, x, y, isShown);
   const { edges, positions } = solid;
   let [best, away]: [Spot | undefined, number] = [undefined, Infinity];
   const near: { spot: Spot; away: number }[] = [];
@@ -41,7 +40,13 @@ export function spotAt(solid: Solid, at: Projector, x: number, y: number, isShow
     if (one.away >= away || !isShown(one.spot.at) || isHidden(solid, at, one.spot.at, isShown)) continue;
     [best, away] = [{ ...one.spot, ...(under ? { face: under.face } : {}) }, one.away];
   }
-  return best ?? (under && { at: under.at, on: "face", face: under.face });
+  return best ?? under;
+}
+
+/** The spot of a face under a pixel. */
+export function faceAt(solid: Solid, at: Projector, x: number, y: number, isShown: (at: Vec3) => boolean): (Spot & { face: number }) | undefined {
+  const under = hit(solid, at.origin(x, y), at.ray(x, y), 0, isShown);
+  return under && { at: under.at, on: "face", face: under.face };
 }
 
 /** The share along an edge in space, from that on the screen: perspective shortens its far end. */

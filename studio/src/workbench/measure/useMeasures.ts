@@ -3,7 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Part } from "../glb";
 import type { Projector, Vec3 } from "../../viewer";
 import { plus } from "../../viewer/view";
-import { type Spot, angleBetween, chainOf, circleThrough, cylinderAt, distance, spotAt, thickness } from "./measures";
+import { type Spot, angleBetween, chainOf, circleThrough, cylinderAt, distance, faceAt, spotAt, thickness } from "./measures";
 import { type Solid, normalOf } from "./solid";
 
 export const TOOLS = ["distance", "edge", "angle", "wall", "radius"] as const;
@@ -58,10 +58,13 @@ export function useMeasures(solid: { readonly current: Solid | null }, parts: re
     setWrong(result ? null : why);
     if (result) setResults((old) => [...old, result]);
   };
+  /** Faces are pressed where they are; a corner or an edge belongs to several. */
+  const find = (of: Solid, at: Projector, x: number, y: number) =>
+    tool === "wall" || tool === "angle" ? faceAt(of, at, x, y, isShown) : spotAt(of, at, x, y, isShown);
   const press = (at: Projector, x: number, y: number) => {
     const of = solid.current;
     if (!tool || !of) return;
-    const spot = spotAt(of, at, x, y, isShown);
+    const spot = find(of, at, x, y);
     if (!spot) return;
     setWrong(null);
     const all = [...spots, spot];
@@ -72,7 +75,7 @@ export function useMeasures(solid: { readonly current: Solid | null }, parts: re
   const hover = (at: Projector, x?: number, y?: number) => {
     cancelAnimationFrame(frame.current);
     if (!tool || x === undefined || y === undefined) return setHovered(null);
-    frame.current = requestAnimationFrame(() => setHovered((solid.current && spotAt(solid.current, at, x, y, isShown)) ?? null));
+    frame.current = requestAnimationFrame(() => setHovered((solid.current && find(solid.current, at, x, y)) ?? null));
   };
   const choose = (next: Tool | null) => {
     forget();
