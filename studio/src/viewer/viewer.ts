@@ -66,8 +66,10 @@ export class Viewer {
   frames = 0;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera();
+  private readonly perspective = new PerspectiveCamera();
   private readonly parallel = new OrthographicCamera();
+  /** The one of the current view. */
+  private camera: PerspectiveCamera | OrthographicCamera = this.perspective;
   /** Holds the lights, which turn with the view. */
   private readonly lights = new Group();
   private readonly shown = new Map<string, Shown>();
@@ -241,12 +243,12 @@ export class Viewer {
   private render(): void {
     if (!this.view || this.isDisposed) return;
     const { view } = this;
-    const camera = this.cameraOf(view);
+    this.camera = this.cameraOf(view);
     for (const shown of this.shown.values()) {
-      if (shown.layer.kind === "field") this.trace(shown.objects[0] as Mesh, camera);
+      if (shown.layer.kind === "field") this.trace(shown.objects[0] as Mesh);
       else this.outline(shown, view);
     }
-    this.renderer.render(this.scene, camera);
+    this.renderer.render(this.scene, this.camera);
     this.frames += 1;
   }
 
@@ -255,7 +257,7 @@ export class Viewer {
     const size = { width, height };
     const eye = new Vector3(...eyeOf(view));
     const axes = axesOf(view).map((axis) => new Vector3(...axis)) as [Vector3, Vector3, Vector3];
-    const camera = view.isParallel ? this.parallel : this.camera;
+    const camera = view.isParallel ? this.parallel : this.perspective;
     camera.position.copy(eye);
     camera.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(...axes));
     this.lights.position.copy(eye);
@@ -287,9 +289,9 @@ export class Viewer {
     return reach;
   }
 
-  private trace(mesh: Mesh, camera: PerspectiveCamera | OrthographicCamera): void {
-    camera.updateMatrixWorld();
-    aim(mesh, camera, this.canvas.width, this.section && { of: this.section, color: this.color(this.section.paint) });
+  private trace(mesh: Mesh): void {
+    this.camera.updateMatrixWorld();
+    aim(mesh, this.camera, this.canvas.width, this.section && { of: this.section, color: this.color(this.section.paint) });
   }
 
   private outline({ layer, objects, edges }: Shown, view: View): void {

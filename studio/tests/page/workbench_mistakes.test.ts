@@ -53,6 +53,7 @@ test("an emptied script has no green certificate and nothing to export, with a m
   expect(await certificate(page)).toContain("上一个成功的形状");
   expect(new Set(await exportsOf(page))).toEqual(new Set([true]));
   expect(await page.locator(".export").textContent()).toContain("没有可导出的");
+  await panel(page, "change");
   expect(await page.getByRole("button", { name: "按一个像素生成各层次" }).isDisabled()).toBe(true);
   expect(await axeFindings(page)).toEqual([]);
   await write(page, "sphere(2)");
