@@ -70,7 +70,8 @@ function lightOf(view: View): Vec3 {
 export const painted = (paint: Paint) => (paint.startsWith("--") ? `var(${paint})` : paint);
 
 function shapesOf(layer: Exclude<Layer, MeshLayer>, at: Projector): Shape[] {
-  const depthFactor = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
+  // Sorted by their middles, long lines beside the shape would cross it.
+  const depthFactor = layer.isOnTop ? 1e-3 : layer.isUnder || layer.isWhole ? 1e3 : NEARER;
   switch (layer.kind) {
     // Only the graphics card draws it; a page that needs it without has a picture of the core.
     case "field":

@@ -165,6 +165,7 @@ export function App({ language, state, control }: Props) {
       <main>
         {!control && (
           <noscript>
+            <p class="lead">{words.lead}</p>
             <p class="note">
               {words.noScript} <code lang="en">{shell([meshLine(bench, NO_SCREEN, `${stem(bench.name)}.glb`)])}</code>
             </p>

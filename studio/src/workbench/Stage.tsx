@@ -22,7 +22,7 @@ import { useSolid } from "./measure/useSolid";
 import { besideOf, besides } from "./pictures";
 import type { Box } from "./pixels";
 import { drawSlice } from "./slice";
-import { GridLabels, Sizes, Triad, groundLayers } from "./stage/ground";
+import { GridLabels, Sizes, Triad, gridMiddle, groundLayers } from "./stage/ground";
 import { type Hands, SIDES, SIDE_NAMES, fitted, orbit } from "./stage/orbit";
 import { ALIGNED, type Cut, FIRST, flipped, isKept, normalOf, planeOf } from "./stage/section";
 import type { CallSite } from "./trace/shadow";
@@ -79,17 +79,18 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
   const solid = useSolid(parts);
   const isShown = (at: Vec3) => isKept(plane?.section, at);
   const measures = useMeasures(solid, parts, isShown, shown?.certificate.bound?.at_most ?? 0);
+  const [midX, midY] = gridMiddle(view, step);
   const picture = useMemo<Picture>(
     () => ({
       layers: [
         ...layersOf(parts, look, marked, home.distance),
-        ...(hasGrid && box ? groundLayers(box, step) : []),
+        ...(hasGrid && box ? groundLayers(box, step, [midX, midY]) : []),
         ...(plane && box ? [outlineOf(plane.at, normalOf(cut!), box)] : []),
         ...extra,
       ],
       ...(plane ? { section: plane.section } : {}),
     }),
-    [parts, look, marked, home, hasGrid, box, step, plane, extra],
+    [parts, look, marked, home, hasGrid, box, step, midX, midY, plane, extra],
   );
   const shift = useMemo(
     () => [(covered.left - covered.right) / 2, (covered.top - covered.bottom) / 2] as const,

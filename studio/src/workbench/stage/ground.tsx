@@ -23,11 +23,14 @@ export function gridStep(distance: number): number {
   return power * ([1, 2, 5, 10].find((times) => times * power >= rough * 0.999) ?? 10);
 }
 
-/** The grid under the shape, around its middle, and the axes through the origin. */
-export function groundLayers(box: Box, step: number): Layer[] {
+/** The middle of the grid: the target, rounded so that the grid seldom moves. */
+export const gridMiddle = ({ target }: View, step: number): readonly [number, number] =>
+  [0, 1].map((k) => Math.round(target[k]! / (5 * step)) * 5 * step) as unknown as [number, number];
+
+/** The grid under the shape, around that middle, and the axes through the origin. */
+export function groundLayers(box: Box, step: number, middle: readonly [number, number]): Layer[] {
   const [low, high] = box;
   const floor = low[2];
-  const middle = [0, 1].map((k) => Math.round((low[k]! + high[k]!) / 2 / step) * step) as [number, number];
   const reach = REACH * step;
   const [thin, thick]: [number[], number[]] = [[], []];
   for (let i = -REACH; i <= REACH; i++) {
@@ -86,13 +89,16 @@ export function GridLabels({ page, at, view, box, step }: { page: Page; at: Proj
   const [low, high] = box;
   // From the side all of them would be on one line.
   if (Math.abs(view.elevation) < LEVEL) return null;
+  const middle = gridMiddle(view, step);
   const labels: { key: string; point: Vec3; text: string }[] = [];
   for (const k of [0, 1] as const) {
     const other = (1 - k) as 0 | 1;
     // Along the side of the box that is nearer to the eye, a square away from it.
     const side = at.eye[other] > (low[other] + high[other]) / 2 ? high[other] + step : low[other] - step;
     const every = high[k] - low[k] > MOST_LABELS * step ? 5 : 1;
-    for (let i = Math.ceil(low[k] / step / every) - 1; i <= Math.floor(high[k] / step / every) + 1; i++) {
+    // As far as the shape and the grid go.
+    const [from, to] = [Math.max(low[k], middle[k] - REACH * step), Math.min(high[k], middle[k] + REACH * step)];
+    for (let i = Math.ceil(from / step / every) - 1; i <= Math.floor(to / step / every) + 1; i++) {
       const point = [0, 0, low[2]] as [number, number, number];
       point[k] = every * i * step;
       point[other] = side;
