@@ -57,7 +57,8 @@ export async function run(
 function collect(folder: Directory, prefix: string, add: (name: string, file: File) => void): void {
   for (const [name, entry] of folder.contents) {
     if (entry instanceof Directory) collect(entry, `${prefix}${name}/`, add);
-    else if (entry instanceof File) add(prefix + name, entry);
+    // A hidden file, such as the lock of a folder, is the command's own and no output.
+    else if (entry instanceof File && !name.startsWith(".")) add(prefix + name, entry);
   }
 }
 

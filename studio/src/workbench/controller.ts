@@ -192,7 +192,7 @@ export class Controller {
     const { bench: current, shown, ended } = this.state;
     const { [current.name]: _, ...beside } = current.files;
     const next = { ...named, files: { ...beside, ...named.files } };
-    const isSettled = ended === current && !this.state.isWaiting && shown?.bench === current;
+    const isSettled = ended === current && shown?.bench === current && !this.timers.has("proof");
     if (!isSettled) return this.put(next);
     if (this.provedOf === current) this.provedOf = next;
     if (this.drawnOf === current) this.drawnOf = next;
