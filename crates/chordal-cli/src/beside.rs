@@ -1,7 +1,8 @@
 //! Reads files that an input references, but none outside of its folder.
 use crate::fault::{Fault, plainly};
 use crate::input::InputSource;
-use std::path::{Path, PathBuf};
+use std::io::ErrorKind;
+use std::path::{Component, Path, PathBuf};
 
 /// All bytes of the file at `path`, relative to the folder of the file `first`; at most `limit`.
 ///
@@ -25,9 +26,18 @@ pub fn read_allowed(folders: &[PathBuf], path: &str, limit: u64) -> Option<Resul
 
 /// The resolved path of a file below `folder`, refused if links lead out of it.
 fn below(folder: &Path, path: &str) -> Result<PathBuf, String> {
-    let resolved = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));
     // The parent of a file in the working folder is the empty path.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let resolved = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));
+    // WASI cannot resolve paths, and its host gives the module one folder, in which the page makes no links.
+    if folder.canonicalize().is_err_and(|error| error.kind() == ErrorKind::Unsupported) {
+        let is_plain = Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
+        return if is_plain {
+            Ok(folder.join(path))
+        } else {
+            Err("the path leads out of the folder".to_owned())
+        };
+    }
     // Both sides are resolved: the folder itself may be reached by a link, which is no way out.
     let full = resolved(&folder.join(path))?;
     if full.starts_with(resolved(folder)?) {
