@@ -66,7 +66,8 @@ export async function exportLine(control: Controller, line: Line, name: string, 
 
 async function convert(control: Controller, line: Line, files: Files): Promise<Files | null> {
   const run = await control.runSupported("export", line, files, false);
-  const outputs = run && madeBy(run.outcome, run.line);
+  // A module without the option would turn the shape of a 3MF.
+  const outputs = run?.line.includes(KEEP_CERTIFICATE) ? madeBy(run.outcome, run.line) : null;
   return outputs && done(control, line[2]!, outputs);
 }
 

@@ -143,7 +143,7 @@ describe("a file", () => {
     expect([made.exit, again.exit, again.stderr]).toEqual([0, 0, ""]);
     const { page, errors } = await pages.open();
     for (const [name, bytes] of Object.entries({ ...made.outputs, ...again.outputs })) {
-      await page.locator(".inputs > .row input[type=file]").setInputFiles({ name, mimeType: "", buffer: Buffer.from(bytes) });
+      await page.locator(".inputs input[type=file]").setInputFiles({ name, mimeType: "", buffer: Buffer.from(bytes) });
       await expect.poll(() => page.locator(".carried").textContent()).toContain(`${name} carries its script`);
       await expect.poll(() => page.locator(".carried").textContent()).toContain("Every claim of the file was proved again");
       await settled(page);
@@ -164,7 +164,7 @@ describe("a file", () => {
     await settled(page);
     expect(await page.locator(".ask, .fault").count()).toBe(0);
     expect(await digits(page, "triangles")).toBeGreaterThan(0);
-    await page.locator(".inputs > .row input[type=file]").setInputFiles({
+    await page.locator(".inputs input[type=file]").setInputFiles({
       name: "square.svg",
       mimeType: "image/svg+xml",
       buffer: Buffer.from('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H10V10H0Z"/></svg>'),
@@ -177,7 +177,7 @@ describe("a file", () => {
   test("of samples has a slider for its level, with the range of the values", async () => {
     const { outputs } = await run(module, ["bake", "a.star", "--cells", "16", "-o", "a.nrrd"], { "a.star": text("sphere(1)") });
     const { page } = await pages.open();
-    await page.locator(".inputs > .row input[type=file]").setInputFiles({ name: "a.nrrd", mimeType: "", buffer: Buffer.from(outputs["a.nrrd"]!) });
+    await page.locator(".inputs input[type=file]").setInputFiles({ name: "a.nrrd", mimeType: "", buffer: Buffer.from(outputs["a.nrrd"]!) });
     const slider = page.locator("#iso");
     await slider.waitFor();
     expect(await page.locator(".ask").textContent()).toMatch(/The samples are from .+ to .+\. Suggested: 0\./);
