@@ -4,6 +4,10 @@ import { PANEL_TEXTS } from "./panel_texts";
 import { towards } from "./pixels";
 import type { Page } from "./words";
 
+/** A coordinate that is tiny beside the others is the rounding of the search, and shown as 0. */
+const ROUNDING = 1e-6;
+const rounded = (x: number, at: Vec3): number => (Math.abs(x) < ROUNDING * Math.max(...at.map(Math.abs)) ? 0 : x);
+
 export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
   const { say, state, control, language } = page;
   const words = PANEL_TEXTS[language];
@@ -25,7 +29,7 @@ export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec
         {contacts.map(({ at, lines }) => (
           <li key={at.join()} class="fault">
             <p>
-              {words.touchingSays(at.map((x) => say.number(x)).join(", "), lines ? lines.map(String) : null)} {words.touchingCure}
+              {words.touchingSays(at.map((x) => say.number(rounded(x, at))).join(", "), lines ? lines.map(String) : null)} {words.touchingCure}
             </p>
             <button type="button" data-go="contact" onClick={() => go(at)}>
               {words.goThere}

@@ -193,6 +193,6 @@ test("parts that only touch are named with their place, their lines and a cure",
   const { page } = await pages.open(await small("a = sphere(1)\nb = move(sphere(1), 2, 0, 0)\na | b"));
   const finding = page.locator(".touching");
   await finding.waitFor();
-  expect(await finding.textContent()).toMatch(/Parts made in lines 1 and 2 touch at \(1, .+ without overlapping\. Let them overlap/);
+  expect(await finding.textContent()).toMatch(/Parts made in lines 1 and 2 touch at \(1, 0, 0\) without overlapping\. Let them overlap/);
   await finding.locator("[data-go]").click();
 });
