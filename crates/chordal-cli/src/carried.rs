@@ -3,7 +3,7 @@ use crate::args::InputArgs;
 use crate::beside::read_beside;
 use crate::console::Console;
 use crate::fault::Fault;
-use crate::inspect_text::quoted;
+use crate::inspect_text::script_text;
 use crate::load::limits;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
@@ -51,13 +51,6 @@ fn summary_text(report: &Report, sources: &[SourceFacts]) -> String {
         lines.add("note", format!("the script reads {}: {how}", file.path));
     }
     lines.finish_run(&report.run)
-}
-
-/// A script in one line: its name, its lines, and the parameters that were set.
-pub fn script_text(source: &SourceFacts) -> String {
-    let set = |(name, value): (&String, &f64)| format!(" --set {name}={value}");
-    let set: String = source.parameters.iter().map(set).collect();
-    format!("{}, {} lines{set}", quoted(&source.name), source.text.lines().count())
 }
 
 /// Runs the scripts that a file carries. Other files that they read have to stand beside that file.

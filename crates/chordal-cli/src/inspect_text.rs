@@ -1,13 +1,12 @@
 //! The text of `inspect`: the content of a file, its properties, and the findings with their places, counts
 //! and cures.
-use crate::carried::script_text;
 use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EdgeMaximumFacts, EmbeddedCertificate, FieldFacts,
     FindingFacts, GeometricEdgeCounts, Inspection, LineCostFacts, NurbsEdgeFacts, NurbsJoinFacts, Output,
-    ParametricEdgeCounts, PathJoinFacts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts,
+    ParametricEdgeCounts, PathJoinFacts, Report, SharpnessFacts, SourceFacts, SurfaceEdgeFacts, SurfaceFacts,
     ValidityFacts, WitnessFacts, cures_of_all,
 };
 use std::collections::BTreeMap;
@@ -527,6 +526,13 @@ fn certificate_text(embedded: &EmbeddedCertificate) -> String {
     } else {
         format!("{bound}, but for another shape: {}", embedded.differs.join(", "))
     }
+}
+
+/// A script in one line: its name, its lines, and the parameters that were set.
+pub fn script_text(source: &SourceFacts) -> String {
+    let set = |(name, value): (&String, &f64)| format!(" --set {name}={value}");
+    let set: String = source.parameters.iter().map(set).collect();
+    format!("{}, {} lines{set}", quoted(&source.name), source.text.lines().count())
 }
 
 /// The options of `chordal mend`.

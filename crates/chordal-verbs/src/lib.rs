@@ -50,9 +50,10 @@ pub use chordal::lod::count::Effort;
 pub use chordal::mend::nesting::NestedShells;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
+pub use convert::certified::convert_certified;
 pub use convert::{
-    ConvertOutcome, ConvertedShape, ShaderOutcome, convert, convert_certified, convert_within, field_shader,
-    needs_mesh, polygons_lose_no_more, written_names,
+    ConvertOutcome, ConvertedShape, ShaderOutcome, convert, convert_within, field_shader, needs_mesh,
+    polygons_lose_no_more, written_names,
 };
 pub use deviation::{DeviationSpec, deviation};
 pub use failure::MeshFailure;

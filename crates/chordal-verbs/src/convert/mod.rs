@@ -1,5 +1,5 @@
 //! `convert`: the same shape in another format, with a note on everything that the format does not hold.
-mod certified;
+pub(crate) mod certified;
 mod curve_forms;
 mod shader;
 use crate::formats::{in_words, names_where};
@@ -11,7 +11,6 @@ use crate::provenance::geometry_digest::{
 };
 use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts, VerbFacts};
 use crate::{Input, MeshFailure, OutputForm, Shape, Tessellation, formats};
-pub use certified::convert_certified;
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Length, Reference, RefusalCode};
 use chordal::explicit::Semantic;
