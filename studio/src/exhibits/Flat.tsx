@@ -77,6 +77,7 @@ interface DotProps {
   isStill: boolean;
   /** The distance of the places that it can have; a hundredth of a unit by default. */
   lattice?: number;
+  /** Drawn smaller and paler, for what is not the exhibit's main point. */
   isFaint?: boolean;
   /** The radius of the area that can be grabbed. */
   reach?: number;

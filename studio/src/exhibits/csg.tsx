@@ -12,6 +12,8 @@ type Operation = "union" | "intersection" | "difference";
 
 interface State {
   probe: Point;
+  disc: Point;
+  slab: Point;
   operation: Operation;
 }
 
@@ -26,11 +28,12 @@ interface Answer {
   quality: { outside: string; inside: string };
 }
 
-const defaults: State = { probe: [6.1, 4.3], operation: "union" };
+const defaults: State = { probe: [6.1, 4.3], disc: [4.6, 4.3], slab: [7.2, 3.8], operation: "union" };
 
 interface Texts extends CommonTexts {
   figure: string;
   probe: string;
+  shapes: readonly [string, string];
   at(x: string, y: string): string;
   legend: string;
   operation: Record<Operation, string>;
@@ -51,9 +54,10 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: FRAME.en.drag,
+    hint: "Drag the point and both shapes.{keys} Arrow keys move them, with Shift by small steps; Page Up and Page Down by large ones.",
     figure: "A disc and a rectangle combined, with lines of equal value; red where the value is not a distance",
     probe: "The probe",
+    shapes: ["Disc A", "Rectangle B"],
     at: (x, y) => `x ${x}, y ${y}`,
     legend: "Disc A and rectangle B",
     operation: { union: "union", intersection: "intersection", difference: "A without B" },
@@ -83,9 +87,10 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: FRAME.zh.drag,
+    hint: "拖动测试点和两个形状。{keys}方向键移动，加 Shift 走小步，Page Up 和 Page Down 走大步。",
     figure: "圆盘与矩形的组合及其等值线；红色处的值不是距离",
     probe: "测试点",
+    shapes: ["圆盘 A", "矩形 B"],
     at: (x, y) => `x ${x}，y ${y}`,
     legend: "圆盘 A 与矩形 B",
     operation: { union: "并", intersection: "交", difference: "A 减 B" },
@@ -134,14 +139,26 @@ function Figure({ page }: { page: Page }) {
       {answer.parts.map(([part], i) => (
         <path key={i} class="part" d={outline(part!.loops)} />
       ))}
-      <text class="label" x="150" y="215">
-        A
-      </text>
-      <text class="label" x="605" y="215">
-        B
-      </text>
       <circle class="truth" cx={x} cy={y} r={radius(answer.truth)} />
       <circle class="free" cx={x} cy={y} r={radius(answer.value)} />
+      {(["disc", "slab"] as const).map((shape, i) => {
+        const [cx, cy] = toSvg(state[shape]);
+        return (
+          <g key={shape}>
+            <text class="label" x={px(cx)} y={px(cy - 20)}>
+              {"AB"[i]}
+            </text>
+            <Dot
+              name={texts.shapes[i]!}
+              spoken={texts.at(say.fixed(state[shape][0]), say.fixed(state[shape][1]))}
+              place={state[shape]}
+              isStill={isStill}
+              isFaint
+              move={(change) => set((state) => ({ [shape]: change(state[shape]) }))}
+            />
+          </g>
+        );
+      })}
       <Dot
         name={texts.probe}
         spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}. ${liveNumber(page).meaning}`}
@@ -211,9 +228,11 @@ export default exhibit<State, Answer, Texts>({
   defaults,
   parts: {
     probe: ["p", point([0, FLAT.width], [0, FLAT.height])],
+    disc: ["a", point([0, FLAT.width], [0, FLAT.height])],
+    slab: ["c", point([0, FLAT.width], [0, FLAT.height])],
     operation: ["b", word("union", "intersection", "difference")],
   },
-  question: (state) => ({ operation: state.operation, point: state.probe }),
+  question: ({ operation, disc, slab, probe }) => ({ operation, parts: [disc, slab], point: probe }),
   texts,
   number: liveNumber,
   Figure,

@@ -2,8 +2,8 @@
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import type { View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
-import { Flat, type Point, at, path, toSvg } from "./Flat";
-import { flag, number, view, word } from "./fragment";
+import { Dot, FLAT, Flat, type Point, at, path, toSvg } from "./Flat";
+import { flag, number, point, view, word } from "./fragment";
 import { px } from "./Grip";
 import { type CubeAnswer, CubeFigure, CubePanel, HOME, PRESETS, type Preset, cubeNumber } from "./OneCube";
 import { type Loops, outline } from "./Regions";
@@ -12,7 +12,10 @@ import { texts } from "./squares_texts";
 type Method = "squares" | "corners";
 type Look = "lattice" | "cube";
 
-interface State {
+type Part = "square" | "wedge" | "disc";
+const PARTS: readonly Part[] = ["square", "wedge", "disc"];
+
+interface State extends Record<Part, Point> {
   look: Look;
   cells: number;
   method: Method;
@@ -40,7 +43,7 @@ interface LatticeAnswer {
 type Answer = LatticeAnswer | CubeAnswer;
 
 const [FEWEST, MOST] = [6, 48] as const;
-const defaults: State = { look: "lattice", cells: 13, method: "squares", signs: PRESETS.diagonal, sharp: false, view: HOME };
+const defaults: State = { look: "lattice", cells: 13, method: "squares", square: [3.3, 3.9], wedge: [7.45, 4.75], disc: [9.8, 2.5], signs: PRESETS.diagonal, sharp: false, view: HOME };
 
 export interface Texts extends CommonTexts {
   look: string;
@@ -48,6 +51,8 @@ export interface Texts extends CommonTexts {
   figure: string;
   cells: string;
   along(n: number): string;
+  parts: Record<Part, string>;
+  at(x: string, y: string): string;
   method: string;
   squares: string;
   corners: string;
@@ -83,7 +88,7 @@ function Figure({ page }: { page: Page }) {
   return answer.look === "cube" ? <CubeFigure page={page} answer={answer} /> : <LatticeFigure page={page} answer={answer} />;
 }
 
-function LatticeFigure({ page: { texts, isSmall }, answer }: { page: Page; answer: LatticeAnswer }) {
+function LatticeFigure({ page: { state, texts, say, set, isStill, isSmall }, answer }: { page: Page; answer: LatticeAnswer }) {
   const { step, size, values } = answer;
   const [nx, ny] = size;
   const rules = [
@@ -119,6 +124,17 @@ function LatticeFigure({ page: { texts, isSmall }, answer }: { page: Page; answe
         <path d={path([from, to], false)} />
         <circle cx={x} cy={y} r="9" />
       </g>
+      {PARTS.map((part) => (
+        <Dot
+          key={part}
+          name={texts.parts[part]}
+          spoken={texts.at(say.fixed(state[part][0]), say.fixed(state[part][1]))}
+          place={state[part]}
+          isStill={isStill}
+          isFaint
+          move={(change) => set((state) => ({ [part]: change(state[part]) }))}
+        />
+      ))}
     </Flat>
   );
 }
@@ -203,6 +219,8 @@ function LatticePanel({ page, answer }: { page: Page; answer: LatticeAnswer }) {
   );
 }
 
+const PLACE = point([0, FLAT.width], [0, FLAT.height]);
+
 export default exhibit<State, Answer, Texts>({
   defaults,
   parts: {
@@ -212,8 +230,12 @@ export default exhibit<State, Answer, Texts>({
     signs: ["g", number(0, 255)],
     sharp: ["t", flag],
     view: ["o", view],
+    square: ["a", PLACE],
+    wedge: ["b", PLACE],
+    disc: ["c", PLACE],
   },
-  question: ({ look, cells, method, signs }) => (look === "cube" ? { look, signs } : { look, cells, method }),
+  question: ({ look, cells, method, signs, square, wedge, disc }) =>
+    look === "cube" ? { look, signs } : { look, cells, method, parts: [square, wedge, disc] },
   texts,
   number: liveNumber,
   Figure,

@@ -4,12 +4,14 @@ import type { Language } from "./say";
 
 export const texts: Record<Language, Texts> = {
   en: {
-    hint: "The slider sets the cells. In the cube press a corner to switch it, and drag to turn.{keys} Arrow keys move the slider and turn the cube.",
+    hint: "Drag the shapes; the slider sets the cells. In the cube press a corner to switch it, and drag to turn.{keys} Arrow keys move shapes and slider and turn the cube.",
     look: "Look at",
     looks: { lattice: "a lattice", cube: "one cube" },
     figure: "A square, a triangle and a disc sampled on a lattice, and the lines that are drawn from the samples",
     cells: "Cells along the figure",
     along: (n) => `${n} cells`,
+    parts: { square: "Square", wedge: "Triangle", disc: "Disc" },
+    at: (x, y) => `x ${x}, y ${y}`,
     method: "Lines by",
     squares: "marching squares",
     corners: "the core’s mesher",
@@ -65,12 +67,14 @@ export const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "滑块改变单元数。在立方体里，点按顶点切换内外，拖动旋转。{keys}方向键移动滑块、旋转立方体。",
+    hint: "形状可以拖动，滑块改变单元数。在立方体里，点按顶点切换内外，拖动旋转。{keys}方向键移动形状和滑块、旋转立方体。",
     look: "观察",
     looks: { lattice: "格点", cube: "一个立方体" },
     figure: "在格点上采样的正方形、三角形和圆盘，以及由样本连成的线",
     cells: "宽度方向的单元数",
     along: (n) => `${n} 个单元`,
+    parts: { square: "正方形", wedge: "三角形", disc: "圆盘" },
+    at: (x, y) => `x ${x}，y ${y}`,
     method: "连线方法",
     squares: "移动正方形",
     corners: "核心的网格化",

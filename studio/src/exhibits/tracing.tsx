@@ -12,7 +12,10 @@ import { type Loops, type Region, Regions, outline } from "./Regions";
 import type { Language } from "./say";
 import { Scene } from "./Scene";
 
-interface State {
+type Part = "ball" | "wall" | "bar";
+const PARTS: readonly Part[] = ["ball", "wall", "bar"];
+
+interface State extends Record<Part, Point> {
   aim: Point;
   shown: number;
 }
@@ -31,11 +34,12 @@ interface Answer {
 
 /** With more circles than this, the last ones are too small to distinguish. */
 const MOST = 40;
-const defaults: State = { aim: [8.6, 3.3], shown: 4 };
+const defaults: State = { aim: [8.6, 3.3], ball: [6.1, 6], wall: [10.3, 4], bar: [5.5, 2.05], shown: 4 };
 
 interface Texts extends CommonTexts {
   figure: string;
   aim: string;
+  parts: Record<Part, string>;
   at(x: string, y: string): string;
   shown: string;
   steps(n: number): string;
@@ -54,9 +58,10 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point through which the ray goes. The slider takes the steps one by one.{keys} Arrow keys move the point.",
+    hint: "Drag the point through which the ray goes, and the three shapes. The slider takes the steps one by one.{keys} Arrow keys move them, too.",
     figure: "A ray from an eye among three shapes, and the free circle at every step",
     aim: "The ray goes through",
+    parts: { ball: "Ball", wall: "Wall", bar: "Bar" },
     at: (x, y) => `x ${x}, y ${y}`,
     shown: "Steps shown",
     steps: (n) => `${n} steps`,
@@ -82,9 +87,10 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动射线经过的点；用滑块逐步查看。{keys}方向键移动这个点。",
+    hint: "拖动射线经过的点和三个形状；用滑块逐步查看。{keys}也可用方向键移动。",
     figure: "从眼睛射出、穿过三个形状之间的射线，以及每一步的空圆",
     aim: "射线经过的点",
+    parts: { ball: "圆盘", wall: "墙", bar: "横杆" },
     at: (x, y) => `x ${x}，y ${y}`,
     shown: "显示的步数",
     steps: (n) => `${n} 步`,
@@ -135,6 +141,17 @@ function Figure({ page }: { page: Page }) {
         );
       })}
       <path class="walked" d={path([eye, steps[n]!.at], false)} />
+      {PARTS.map((part) => (
+        <Dot
+          key={part}
+          name={texts.parts[part]}
+          spoken={texts.at(say.fixed(state[part][0]), say.fixed(state[part][1]))}
+          place={state[part]}
+          isStill={isStill}
+          isFaint
+          move={(change) => set((state) => ({ [part]: inFrontOf(change(state[part]), [eye[0] + ROOM, eye[1]]) }))}
+        />
+      ))}
       <Dot
         name={texts.aim}
         spoken={`${place}. ${texts.steps(steps.length)}. ${texts.end[answer.end]}`}
@@ -145,6 +162,9 @@ function Figure({ page }: { page: Page }) {
     </Flat>
   );
 }
+
+/** The eye stays outside of the shapes. */
+const ROOM = 2.2;
 
 /** Keeps the point in front of the eye, so that the ray has a direction. */
 const inFrontOf = ([x, y]: Point, eye: Point): Point => [Math.max(x, Math.round((eye[0] + 0.6) * 100) / 100), y];
@@ -250,10 +270,12 @@ function Panel({ page }: { page: Page }) {
   );
 }
 
+const PLACE = point([3, FLAT.width], [0, FLAT.height]);
+
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { aim: ["p", point([1.5, FLAT.width], [0, FLAT.height])], shown: ["n", number(1, MOST)] },
-  question: (state) => ({ aim: state.aim }),
+  parts: { aim: ["p", point([1.5, FLAT.width], [0, FLAT.height])], shown: ["n", number(1, MOST)], ball: ["a", PLACE], wall: ["b", PLACE], bar: ["c", PLACE] },
+  question: ({ aim, ball, wall, bar }) => ({ aim, parts: [ball, wall, bar] }),
   texts,
   number: liveNumber,
   Figure,

@@ -1,11 +1,11 @@
 //! Two shapes combined by minimum and maximum, and the regions where the value is no distance.
 use super::answer::ExhibitAnswer;
-use super::plane::{Region, below, distance_to, once, or_text, outline, regions, value_at};
+use super::plane::{Latest, Region, below, distance_to, latest, or_text, outline, regions, value_at};
 use super::request::ExhibitRequest;
 use chordal::implicit::shapes::{circle, rectangle};
 use chordal::implicit::{Expr, Field};
 use serde_json::json;
-use std::sync::OnceLock;
+use std::sync::Mutex;
 
 /// The level curves that are drawn.
 const LEVELS: [f64; 12] = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0, -0.5, -1.0, -1.5, -2.0, -2.5];
@@ -27,16 +27,16 @@ struct Combined {
 
 const OPERATIONS: [&str; 3] = ["union", "intersection", "difference"];
 
-/// Answers `{"operation": "union", "point": [x, y]}`: the value and the true distance at the point, and the
+/// Answers `{"operation": "union", "parts": [[x, y], [x, y]], "point": [x, y]}`: the value and the true distance at the point, and the
 /// regions where they differ.
 pub(super) fn csg(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    request.only(&["operation", "point"])?;
+    request.only(&["operation", "parts", "point"])?;
     let operation = request.word("operation", &OPERATIONS)?;
+    let parts = request.points::<2>("parts", [2, 2])?;
     let point = request.point::<2>("point")?;
-    static MADE: [OnceLock<Combined>; 3] = [const { OnceLock::new() }; 3];
-    let index = OPERATIONS.iter().position(|name| *name == operation).unwrap_or(0);
-    let combination = once(&MADE[index], || combined(operation))?;
-    let Combined { shape, distance, .. } = combination;
+    static MADE: Latest<(String, Vec<[f64; 2]>), Combined> = Mutex::new(None);
+    let combination = latest(&MADE, (operation.to_owned(), parts.clone()), || combined(operation, &parts))?;
+    let Combined { shape, distance, .. } = &*combination;
     let [value, truth] = [value_at(&shape.tape(), point)?, value_at(&distance.tape(), point)?];
     let [a, b] =
         [value_at(&combination.parts[0].tape(), point)?, value_at(&combination.parts[1].tape(), point)?];
@@ -59,16 +59,19 @@ pub(super) fn csg(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     Ok(answer)
 }
 
-fn combined(operation: &str) -> Result<Combined, String> {
-    let disc = or_text(or_text(circle(2.5))?.moved([4.6, 4.3, 0.0]))?;
+fn combined(operation: &str, parts: &[[f64; 2]]) -> Result<Combined, String> {
+    let at = |k: usize| [parts[k][0], parts[k][1], 0.0];
+    let disc = or_text(or_text(circle(2.5))?.moved(at(0)))?;
     let slab = or_text(or_text(rectangle([5.0, 2.8]))?.rotated_deg([0.0, 0.0, 1.0], 18.0))?;
-    let slab = or_text(slab.moved([7.2, 3.8, 0.0]))?;
+    let slab = or_text(slab.moved(at(1)))?;
     let shape = match operation {
         "union" => disc.union(&slab),
         "intersection" => disc.intersection(&slab),
         _ => disc.difference(&slab),
     };
-    let distance = distance_to(&outline(&shape, CLOSE)?)?;
+    // An outline that is missing means that two parts have nothing in common.
+    let lines = outline(&shape, CLOSE).map_err(|_| "the parts have nothing in common".to_owned())?;
+    let distance = distance_to(&lines)?;
     let differs: Expr = Expr::constant(SHOWS) - (shape.expr() - distance.expr()).abs();
     Ok(Combined {
         levels: below(shape.expr(), &LEVELS, 0.125)?,
@@ -85,7 +88,9 @@ mod tests {
     use super::*;
 
     fn at(operation: &str, point: [f64; 2]) -> serde_json::Value {
-        let question = json!({ "exhibit": "csg", "operation": operation, "point": point }).to_string();
+        let parts = [[4.6, 4.3], [7.2, 3.8]];
+        let question =
+            json!({ "exhibit": "csg", "operation": operation, "parts": parts, "point": point }).to_string();
         csg(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
 

@@ -7,7 +7,7 @@ use chordal::implicit::shapes::{ContourFill, Contours};
 use chordal::implicit::{Affine3, Expr, Field, Grid, Samples};
 use chordal::{Budget, Job, Mesh, Tolerance};
 use serde_json::{Value, json};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The width and height of a figure.
 pub(super) const SIZE: [f64; 2] = [12.0, 8.0];
@@ -87,6 +87,26 @@ pub(super) fn once<T>(
             Ok(cell.get_or_init(|| value))
         }
     }
+}
+
+/// What was computed last, for a key: a drag of a point asks for the same shapes again and again.
+pub(super) type Latest<K, T> = Mutex<Option<(K, Arc<T>)>>;
+
+/// The value for a key, computed unless it is the latest one.
+pub(super) fn latest<K: PartialEq, T>(
+    cell: &Latest<K, T>,
+    key: K,
+    make: impl FnOnce() -> Result<T, String>,
+) -> Result<Arc<T>, String> {
+    let mut kept = cell.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((known, value)) = kept.as_ref()
+        && *known == key
+    {
+        return Ok(Arc::clone(value));
+    }
+    let value = Arc::new(make()?);
+    *kept = Some((key, Arc::clone(&value)));
+    Ok(value)
 }
 
 /// Closed lines as arrays of coordinates.

@@ -1,7 +1,7 @@
 //! Marching squares: a lattice of samples, its isolines, and the corners that they cut off.
 use super::answer::ExhibitAnswer;
 use super::one_cube::one_cube;
-use super::plane::{SIZE, loops, once, or_text, raised, thin_mesh};
+use super::plane::{Latest, SIZE, latest, loops, or_text, raised, thin_mesh};
 use super::request::ExhibitRequest;
 use chordal::check::{Goal, deviation};
 use chordal::convert::{Polygonize, field_to_mesh, grid_to_polyline};
@@ -11,7 +11,7 @@ use chordal::implicit::{Affine3, Field, Grid, Samples};
 use chordal::{Budget, Job, Mesh, Tolerance};
 use serde_json::json;
 use std::collections::BTreeSet;
-use std::sync::OnceLock;
+use std::sync::Mutex;
 
 /// Cells along the figure.
 const CELLS: [f64; 2] = [6.0, 48.0]; // defined: what the slider offers
@@ -20,25 +20,26 @@ const CLOSE: f64 = 0.002; // chosen: below a pixel of the figure
 /// The relative gap of the measured error.
 const GOAL: Goal = Goal { relative: 0.02, absolute: None, max: None }; // chosen: two digits are shown
 
-/// Answers `{"look": "lattice", "cells": 16, "method": "squares"}`: samples, lines and their largest error. A
+/// Answers `{"look": "lattice", "cells": 16, "method": "squares", "parts": [[x, y], …]}`: samples, lines and their largest error. A
 /// request with "cube" is answered by [`one_cube`].
 pub(super) fn squares(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     if request.word("look", &["lattice", "cube"])? == "cube" {
         return one_cube(request);
     }
-    request.only(&["look", "cells", "method"])?;
+    request.only(&["look", "cells", "method", "parts"])?;
     let cells = request.number("cells", CELLS)?.round();
     let method = request.word("method", &["squares", "corners"])?;
     let step = SIZE[0] / cells;
-    let shape = shapes()?;
+    let parts = request.points::<2>("parts", [3, 3])?;
+    let shape = shapes(&parts)?;
     let grid = sampled(&shape, step)?;
     let lines = match method {
         "squares" => or_text(grid_to_polyline(&grid, &Polygonize::below(0.0), &Job::default()))?.shape,
         _ => with_corners(&shape, 0.25 * step)?,
     };
-    static TRUTH: OnceLock<Vec<Polyline<2>>> = OnceLock::new();
-    let truth = once(&TRUTH, || with_corners(&shape, CLOSE))?;
-    let measured = or_text(deviation(&thin_mesh(truth)?, &thin_mesh(&lines)?, &GOAL, &Job::default()))?;
+    static TRUTH: Latest<Vec<[f64; 2]>, Vec<Polyline<2>>> = Mutex::new(None);
+    let truth = latest(&TRUTH, parts, || with_corners(&shape, CLOSE))?;
+    let measured = or_text(deviation(&thin_mesh(&truth)?, &thin_mesh(&lines)?, &GOAL, &Job::default()))?;
     let worst = *measured.worst();
     let mut answer = ExhibitAnswer::default();
     let values: Vec<f64> = (0..grid.samples().len()).map(|row| grid.samples().get(row)).collect();
@@ -47,7 +48,7 @@ pub(super) fn squares(request: &ExhibitRequest) -> Result<ExhibitAnswer, String>
         "step": step,
         "size": [grid.size()[0], grid.size()[1]],
         "values": answer.floats(&values),
-        "truth": loops(&mut answer, truth),
+        "truth": loops(&mut answer, &truth),
         "lines": loops(&mut answer, &lines),
         "segments": lines.iter().map(Polyline::n_segments).sum::<usize>(),
         "ambiguous": ambiguous(&grid),
@@ -58,13 +59,14 @@ pub(super) fn squares(request: &ExhibitRequest) -> Result<ExhibitAnswer, String>
     Ok(answer)
 }
 
-/// A square on its corner, a triangle that almost touches it, and a disc.
-fn shapes() -> Result<Field, String> {
+/// A square on its corner, a triangle that almost touches it, and a disc, by their middles.
+fn shapes(parts: &[[f64; 2]]) -> Result<Field, String> {
+    let at = |k: usize| [parts[k][0], parts[k][1], 0.0];
     let square = or_text(or_text(rectangle([3.2, 3.2]))?.rotated_deg([0.0, 0.0, 1.0], 33.0))?;
-    let square = or_text(square.moved([3.3, 3.9, 0.0]))?;
+    let square = or_text(square.moved(at(0)))?;
     let wedge = or_text(or_text(regular_polygon(3, 2.0))?.rotated_deg([0.0, 0.0, 1.0], 172.0))?;
-    let wedge = or_text(wedge.moved([7.45, 4.75, 0.0]))?;
-    let disc = or_text(or_text(circle(1.3))?.moved([9.8, 2.5, 0.0]))?;
+    let wedge = or_text(wedge.moved(at(1)))?;
+    let disc = or_text(or_text(circle(1.3))?.moved(at(2)))?;
     Ok(square.union(&wedge).union(&disc))
 }
 
@@ -132,9 +134,11 @@ fn rim(mesh: &Mesh) -> Vec<Polyline<2>> {
 mod tests {
     use super::*;
 
+    const PARTS: [[f64; 2]; 3] = [[3.3, 3.9], [7.45, 4.75], [9.8, 2.5]];
+
     fn at(cells: u32, method: &str) -> serde_json::Value {
         let question =
-            json!({ "exhibit": "squares", "look": "lattice", "cells": cells, "method": method }).to_string();
+            json!({ "exhibit": "squares", "look": "lattice", "cells": cells, "method": method, "parts": PARTS }).to_string();
         squares(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
 

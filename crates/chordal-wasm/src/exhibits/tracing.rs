@@ -10,7 +10,7 @@ use chordal::implicit::query::{Beam, SphereTrace, SphereTraceEnd, sphere_trace};
 use chordal::implicit::shapes::{capsule, circle, cuboid, cylinder, rounded_rectangle, segment, sphere};
 use chordal::math::Box3;
 use serde_json::json;
-use std::sync::OnceLock;
+use std::sync::Mutex;
 
 /// The eye.
 const EYE: [f64; 2] = [0.9, 4.2];
@@ -23,21 +23,21 @@ const MOST: usize = 250; // chosen: more than any ray here takes
 const FAN: [i32; 2] = [-42, 42];
 const PER_DEGREE: i32 = 2;
 
-/// Answers `{"aim": [x, y]}`: the steps of the ray from the eye through a point, and the number of steps in
+/// Answers `{"aim": [x, y], "parts": [[x, y], …]}`: the steps of the ray from the eye through a point, and the number of steps in
 /// each direction of a fan.
 pub(super) fn tracing(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    request.only(&["aim"])?;
+    request.only(&["aim", "parts"])?;
     let aim = request.point::<2>("aim")?;
-    let shape = shapes()?;
-    let tape = shape.tape();
     let toward = [aim[0] - EYE[0], aim[1] - EYE[1]];
     let far = (toward[0] * toward[0] + toward[1] * toward[1]).sqrt();
     if far < CLOSE {
         return Err(format!("the ray needs a point other than the eye, {EYE:?}"));
     }
-    let trace = traced(&tape, toward.map(|x| x / far))?;
-    static MADE: OnceLock<Scenery> = OnceLock::new();
-    let scenery = once(&MADE, || scenery(&shape))?;
+    let parts = request.points::<2>("parts", [3, 3])?;
+    let shape = shapes(&parts)?;
+    let trace = traced(&shape.tape(), toward.map(|x| x / far))?;
+    static MADE: Latest<Vec<[f64; 2]>, Scenery> = Mutex::new(None);
+    let scenery = latest(&MADE, parts, || scenery(&shape))?;
     let mut answer = ExhibitAnswer::default();
     let levels = regions(&mut answer, &scenery.levels);
     answer.facts = json!({
@@ -88,11 +88,12 @@ fn traced(tape: &Tape, [x, y]: [f64; 2]) -> Result<SphereTrace, String> {
     or_text(sphere_trace(tape, &beam, MOST))
 }
 
-/// A wall, a ball and a bar, which do not touch.
-fn shapes() -> Result<Field, String> {
-    let ball = or_text(or_text(circle(1.25))?.moved([6.1, 6.0, 0.0]))?;
-    let wall = or_text(or_text(rounded_rectangle([1.5, 3.4], 0.25))?.moved([10.3, 4.0, 0.0]))?;
-    let bar = or_text(segment([3.6, 1.6], [7.4, 2.5], 0.45))?;
+/// A ball, a wall and a bar, by their middles.
+fn shapes(parts: &[[f64; 2]]) -> Result<Field, String> {
+    let at = |k: usize| [parts[k][0], parts[k][1], 0.0];
+    let ball = or_text(or_text(circle(1.25))?.moved(at(0)))?;
+    let wall = or_text(or_text(rounded_rectangle([1.5, 3.4], 0.25))?.moved(at(1)))?;
+    let bar = or_text(or_text(segment([-1.9, -0.45], [1.9, 0.45], 0.45))?.moved(at(2)))?;
     Ok(ball.union(&wall).union(&bar))
 }
 
@@ -111,7 +112,8 @@ mod tests {
     use super::*;
 
     fn at(aim: [f64; 2]) -> serde_json::Value {
-        let question = json!({ "exhibit": "tracing", "aim": aim }).to_string();
+        let parts = [[6.1, 6.0], [10.3, 4.0], [5.5, 2.05]];
+        let question = json!({ "exhibit": "tracing", "aim": aim, "parts": parts }).to_string();
         tracing(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
 
