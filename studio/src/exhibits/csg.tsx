@@ -3,7 +3,6 @@ import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, toSvg } from "./Flat";
 import { point, word } from "./fragment";
-import { FRAME } from "./frame_texts";
 import { px } from "./Grip";
 import { type Region, Regions, outline } from "./Regions";
 import type { Language } from "./say";

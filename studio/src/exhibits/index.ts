@@ -244,6 +244,26 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./csg"),
   },
   {
+    id: "blend",
+    part: 4,
+    title: { en: "Shapes that flow together", zh: "流到一起的形状" },
+    claim: {
+      en: "A smooth minimum fills the seam of a union; its value is a lower bound of the distance.",
+      zh: "光滑最小值填满并集的接缝，它的值是距离的下界。",
+    },
+    load: () => import("./blend"),
+  },
+  {
+    id: "booleans",
+    part: 4,
+    title: { en: "Where a mesh cracks", zh: "网格在哪里裂开" },
+    claim: {
+      en: "One sign for each point cannot crack; a mesh that is cut in rounded numbers can.",
+      zh: "每一点一个符号，裂不开；用舍入的数去切网格，就会裂。",
+    },
+    load: () => import("./booleans"),
+  },
+  {
     id: "tracing",
     part: 4,
     title: { en: "Rays that leap", zh: "跳跃的射线" },
@@ -264,6 +284,26 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./squares"),
   },
   {
+    id: "cubes",
+    part: 4,
+    title: { en: "A surface from cells", zh: "由单元拼成的曲面" },
+    claim: {
+      en: "A surface crosses few of the cells, and what an edge does inside one is cut off.",
+      zh: "曲面只穿过少数单元，落在单元内部的棱会被切掉。",
+    },
+    load: () => import("./cubes"),
+  },
+  {
+    id: "network",
+    part: 4,
+    title: { en: "A rule that was learned", zh: "学来的规则" },
+    claim: {
+      en: "A network’s occupancy says on which side a point is, and not how far away the surface is.",
+      zh: "网络的占据值说得出一点在哪一侧，说不出表面有多远。",
+    },
+    load: () => import("./network"),
+  },
+  {
     id: "baking",
     part: 4,
     title: { en: "There and back", zh: "一来一回" },
@@ -272,6 +312,26 @@ export const EXHIBITS: readonly Entry[] = [
       zh: "网格烘焙成距离采样再转换回来：每一程都有已证明的上界，两者相加。",
     },
     load: () => import("./baking"),
+  },
+  {
+    id: "adaptive",
+    part: 5,
+    title: { en: "Finest where it shows", zh: "看得见的地方才细" },
+    claim: {
+      en: "Triangles crowd where a surface bends, near the eye and along its outline.",
+      zh: "三角形集中在弯曲处、近处和轮廓线上。",
+    },
+    load: () => import("./adaptive"),
+  },
+  {
+    id: "mountain",
+    part: 5,
+    title: { en: "A teapot and a mountain", zh: "茶壶与山" },
+    claim: {
+      en: "Within a pixel each, a mountain needs about as many triangles as a teapot on the desk.",
+      zh: "都以一个像素为限，一座山需要的三角形和桌上的茶壶差不多。",
+    },
+    load: () => import("./mountain"),
   },
   {
     id: "levels",
@@ -292,6 +352,16 @@ export const EXHIBITS: readonly Entry[] = [
       zh: "小于一个像素的三角形，代价是四倍，却不多显示任何东西。",
     },
     load: () => import("./overshade"),
+  },
+  {
+    id: "shimmer",
+    part: 5,
+    title: { en: "Too small to see", zh: "小得看不见" },
+    claim: {
+      en: "Triangles smaller than a pixel make a picture shimmer while it turns.",
+      zh: "比像素还小的三角形，会让转动的画面闪烁。",
+    },
+    load: () => import("./shimmer"),
   },
   {
     id: "budget",

@@ -37,6 +37,16 @@ impl ExhibitAnswer {
         json!({ "positions": positions, "indices": self.rows(mesh.faces().as_flattened()) })
     }
 
+    /// Adds the edges of faces, each once, as the positions of their two ends.
+    pub fn edges(&mut self, positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Value {
+        let sides = |face: &[u32; 3]| [[face[0], face[1]], [face[1], face[2]], [face[2], face[0]]];
+        let mut edges: Vec<[u32; 2]> =
+            faces.iter().flat_map(sides).map(|[a, b]| if a < b { [a, b] } else { [b, a] }).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        self.floats(edges.iter().flatten().flat_map(|row| &positions[*row as usize]))
+    }
+
     /// As an outcome, with the facts as its report.
     pub fn into_outcome(self) -> Outcome {
         Outcome { report: self.facts.to_string().into_bytes(), bytes: self.bytes, ..Outcome::default() }

@@ -1,12 +1,17 @@
 //! The answers to the exhibits of the studio, computed by the library; each file answers one exhibit.
+mod adaptive;
 mod answer;
 mod baking;
 mod bernstein;
+mod blend;
+mod booleans;
+mod bsp;
 mod budget;
 mod cage;
 mod cracks;
 mod cross;
 mod csg;
+mod cubes;
 mod culling;
 mod doctor;
 mod fan;
@@ -14,7 +19,10 @@ mod field;
 mod indexed;
 mod inside;
 mod joins;
+mod landscape;
 mod levels;
+mod mountain;
+mod network;
 mod normals;
 mod one_cube;
 mod overshade;
@@ -31,6 +39,8 @@ mod rivals;
 mod runge;
 mod segments;
 mod shapes;
+mod shimmer;
+mod sight;
 mod spline;
 mod squares;
 mod tangent;
@@ -99,9 +109,16 @@ exhibits! {
     "rivals" => rivals::rivals(&request),
     "segments" => segments::segments(&request),
     "squares" => squares::squares(&request),
+    "network" => network::network(&request),
+    "cubes" => cubes::cubes(&request),
+    "booleans" => booleans::booleans(&request),
+    "blend" => blend::blend(&request),
     "baking" => baking::baking(&request),
     "levels" => levels::levels(&request),
     "overshade" => overshade::overshade(&request),
+    "adaptive" => adaptive::adaptive(&request),
+    "mountain" => mountain::mountain(&request),
+    "shimmer" => shimmer::shimmer(&request),
     "budget" => budget::budget(&request),
     "questions" => questions::questions(&request),
 }
@@ -154,6 +171,13 @@ mod tests {
             (r#"{"exhibit": "baking", "shape": "cube", "cells": 2}"#, "cells"),
             (r#"{"exhibit": "levels", "distance": 0}"#, "distance"),
             (r#"{"exhibit": "overshade", "side": 0.01}"#, "side"),
+            (r#"{"exhibit": "adaptive", "scene": "sea"}"#, "scene"),
+            (r#"{"exhibit": "mountain", "distance": 0}"#, "distance"),
+            (r#"{"exhibit": "shimmer", "size": 9}"#, "size"),
+            (r#"{"exhibit": "network", "cells": 8, "threshold": 1}"#, "threshold"),
+            (r#"{"exhibit": "cubes", "cells": 1}"#, "cells"),
+            (r#"{"exhibit": "booleans", "way": "luck"}"#, "way"),
+            (r#"{"exhibit": "blend", "balls": [[1, 1]]}"#, "balls"),
             (r#"{"exhibit": "budget", "shape": "cow", "step": 1}"#, "shape"),
             (
                 r#"{"exhibit": "pixels", "corners": [[0, 0], [1, 0], [0, 1]], "colors": [], "columns": 12}"#,
