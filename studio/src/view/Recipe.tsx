@@ -17,7 +17,7 @@ export function Recipe({ page }: { page: Page }) {
   const px = say.text("verdict.px", { n: FRACTIONS[state.goal]! });
   return (
     <div class="recipe">
-      <h3>{say.text("recipe")}</h3>
+      <h2>{say.text("recipe")}</h2>
       <Formula label={say.text("recipe.alt")} />
       <p>
         {say.text("recipe.why")}

@@ -42,7 +42,7 @@ const LOOKS = [
 ] as const;
 
 const looks = LOOKS.slice(0, isLong ? 4 : 2);
-test.each(looks)("%s fits and has no serious findings, %s and %i wide", async (file, colorScheme, width) => {
+test.each(looks)("%s fits and has no findings, %s and %i wide", async (file, colorScheme, width) => {
   const { page, errors } = await pages.open(file, { colorScheme, viewport: { width, height: 768 } });
   const fits = () => page.evaluate(() => document.documentElement.scrollWidth);
   expect(await fits()).toBeLessThanOrEqual(width);
