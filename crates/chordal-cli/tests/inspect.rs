@@ -87,7 +87,11 @@ fn h58_a_moebius_strip_has_one_side_and_no_cure_for_that() {
     assert_eq!(names(&report), ["inconsistent_edges", "boundary_edges"]);
     let found = finding(&report, "inconsistent_edges");
     assert_eq!(found[1], json!([]));
-    assert!(report["inspection"]["findings"][0]["advice"].as_str().unwrap().contains("one side only"));
+    let first = &report["inspection"]["findings"][0];
+    assert!(first["advice"].as_str().unwrap().contains("one side only"));
+    // Readers of other languages look their sentences up by these.
+    assert_eq!(first["advice_code"], "inconsistent_edges");
+    assert_eq!(first["sentences"], json!([{ "code": "inconsistent_edges" }]));
     // Filled, it would still have no inside.
     assert_eq!(finding(&report, "boundary_edges"), json!([5, [], [2, 0], [0]]));
 }
@@ -471,6 +475,10 @@ fn a_seam_that_is_open_by_a_rounding_is_named_and_welding_within_its_gap_closes_
             && seams["gap"].as_f64().is_some_and(|gap| gap <= tolerance.parse().unwrap()),
         "{seams}"
     );
+    let findings = report["inspection"]["findings"].as_array().unwrap();
+    let open = findings.iter().find(|found| found["of"] == "boundary_edges").unwrap();
+    let values = json!({ "vertices": vertices.unwrap().to_string(), "within": tolerance });
+    assert_eq!(open["sentences"][1], json!({ "code": "nearly-joined", "values": values }));
     let welded = run(&["mend", &input, &format!("--weld={tolerance}"), "--drop-degenerate", "-o", &output]);
     assert_eq!(welded.code, 0, "{welded:?}");
     let report = run(&["inspect", &output, "--json"]).report();
