@@ -75,7 +75,7 @@ test("joins: the chosen class is kept, the handle breaks higher ones, and the re
     await image.decode();
     return [image.naturalWidth, image.naturalHeight];
   });
-  expect(size).toEqual([320, 104]);
+  expect(size).toEqual([480, 156]);
 });
 
 test("runge: the rest of the polynomial moves several times as far as the point, the rest of the spline hardly", async () => {
