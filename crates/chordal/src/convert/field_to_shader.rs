@@ -350,7 +350,8 @@ mod tests {
     #[test]
     fn other_numbers_leave_the_operations_as_they_are() {
         let block = |width: f64, radius: f64| {
-            let hole = cylinder(radius, 3.0).expect("a hole").moved([0.25 * width, 0.0, 0.0]);
+            let hole = cylinder(radius, 3.0).and_then(|hole| hole.moved([0.25 * width, 0.0, 0.0]));
+            let hole = hole.expect("a hole");
             source_of(&cuboid([width, 2.0, 1.0]).expect("a box").difference(&hole))
         };
         let (one, other) = (block(2.0, 0.4), block(3.531_25, 0.712_345));
