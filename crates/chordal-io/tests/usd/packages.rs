@@ -77,7 +77,9 @@ fn what_a_sublayer_includes_is_stronger_than_the_sublayer_after_it() {
         ("second.usda", second.as_bytes()),
         ("third.usda", third.as_bytes()),
     ]);
-    let Content::Scene(scene) = usd::read(&bytes, &Limits::default()).unwrap().content else { panic!("a scene") };
+    let Content::Scene(scene) = usd::read(&bytes, &Limits::default()).unwrap().content else {
+        panic!("a scene")
+    };
     assert_eq!(scene.nodes[0].matrix[12..15], [3.0, 0.0, 0.0]);
 }
 

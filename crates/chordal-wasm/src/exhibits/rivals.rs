@@ -64,7 +64,10 @@ fn ray_steps(shape: &Field) -> Result<Vec<usize>, String> {
     let mut counts = Vec::new();
     for pixel in 0..PICTURE[0] * PICTURE[1] {
         let [i, j] = [pixel % PICTURE[0], pixel / PICTURE[0]].map(f64::from);
-        let (x, y) = (3.6 * ((i + 0.5) / f64::from(PICTURE[0]) - 0.5), 2.4 * ((j + 0.5) / f64::from(PICTURE[1]) - 0.5));
+        let (x, y) = (
+            3.6 * ((i + 0.5) / f64::from(PICTURE[0]) - 0.5),
+            2.4 * ((j + 0.5) / f64::from(PICTURE[1]) - 0.5),
+        );
         let origin = std::array::from_fn(|k| 8.0 * back[k] + x * right[k] + y * up[k]);
         let beam = Beam { origin, direction: back.map(|c| -c), from: 0.0, to: AWAY, cone: [CLOSE, 0.0] };
         let trace = or_text(sphere_trace(&tape, &beam, MOST))?;
