@@ -179,7 +179,8 @@ def outputs_of(text: str, executed: dict[str, Any]) -> tuple[list[str], dict[str
 
 def home(has_lesson: bool) -> str:
     """The first page. Browsers without a lesson to go to, and search, see this one."""
-    lesson = f"[Read the lesson]({STUDIO}/lesson.html) · [阅读中文版]({STUDIO}/lesson.zh.html)" if has_lesson else "`make studio` builds it."
+    links = f"[Read the lesson]({STUDIO}/lesson.html) · [阅读中文版]({STUDIO}/lesson.zh.html)"
+    lesson = links if has_lesson else "`make studio` builds it."
     return f"""# The lesson
 
 How do you write a shape down: as points that can be listed and drawn, or as a rule that tests any point? {lesson}

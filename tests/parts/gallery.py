@@ -61,7 +61,10 @@ found, and the report lists the places without a proof ([bounds](bound.md)).
 
 #: The other pictures of the docs, and the commands that take them.
 OTHERS = {
-    **{name: f"render examples/{name}.star" for name in ("block", "bracket", "gyroid", "gyroid_cube", "blobs", "angle_bracket", "creature")},
+    **{
+        name: f"render examples/{name}.star"
+        for name in ("block", "bracket", "gyroid", "gyroid_cube", "blobs", "angle_bracket", "creature")
+    },
     "twisted_bolt": 'render examples/twisted_bolt.star --view "480x360 fov=30 eye=60,-80,25 target=0,0,-17"',
     "gear": 'render examples/gear.star --view "480x360 fov=35 eye=25,-55,70 target=0,0,0"',
     "enclosure": 'render examples/enclosure.star --view "480x360 fov=35 eye=-25,-62,110 target=0,0,9"',
