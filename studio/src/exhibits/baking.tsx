@@ -66,7 +66,7 @@ const texts: Record<Language, Texts> = {
     shape: "Shape",
     shapes: { cylinder: "a cylinder", cube: "a cube", teapot: "a teapot" },
     label: "Proved bound, there and back",
-    unproved: "With cells this large nothing can be proved.",
+    unproved: "With this lattice nothing can be proved.",
     meaning: (measured, share) =>
       `No point is farther off than this. The worst, at the red dot, is off by ${measured}: ${share} of the bound.`,
     there: "Mesh to grid, at most",
@@ -94,7 +94,7 @@ const texts: Record<Language, Texts> = {
     shape: "形状",
     shapes: { cylinder: "圆柱", cube: "立方体", teapot: "茶壶" },
     label: "往返误差已证明的上界",
-    unproved: "单元这么大，什么都证明不了。",
+    unproved: "用这样的格点，什么都证明不了。",
     meaning: (measured, share) => `没有任何一点偏离超过它。最坏处在红点，偏离 ${measured}，为上界的 ${share}。`,
     there: "网格到采样，至多",
     home: "采样到网格，至多",

@@ -164,15 +164,6 @@ function Hero({ language, text, facts, teapot }: LessonProps) {
             {words.begin}
           </a>
         </p>
-        <nav aria-label={words.sections} class="moves">
-          <ol>
-            {SECTIONS.slice(1).map(({ id }) => (
-              <li key={id}>
-                <a href={`#${id}`}>{text.sections[id].title}</a>
-              </li>
-            ))}
-          </ol>
-        </nav>
       </div>
       <div class="hero-figure" data-hero={teapot} data-words={JSON.stringify(spoken(words))}>
         <HeroBench
@@ -187,6 +178,16 @@ function Hero({ language, text, facts, teapot }: LessonProps) {
           play={nothing}
         />
       </div>
+      {/* After the figure, which the keyboard reaches first. */}
+      <nav aria-label={words.sections} class="moves">
+        <ol>
+          {SECTIONS.slice(1).map(({ id }) => (
+            <li key={id}>
+              <a href={`#${id}`}>{text.sections[id].title}</a>
+            </li>
+          ))}
+        </ol>
+      </nav>
     </div>
   );
 }

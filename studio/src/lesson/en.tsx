@@ -461,7 +461,7 @@ export const EN: LessonText = {
     },
     table: {
       title: "Side by side",
-      text: <p>What you have measured so far, in one table. Draw fast: a mesh. Carve, blend, query: a field.</p>,
+      text: <p>One shape, written down both ways and measured. Neither wins. To draw fast: a mesh. To carve, blend and query: a field.</p>,
     },
     budget: {
       title: "What half the error costs",
@@ -532,8 +532,9 @@ export const EN: LessonText = {
       ),
     },
   }),
-  table: (facts, say) => (
+  table: ({ rivals }, say) => (
     <table class="rivals">
+      <caption>A block, 2 wide, with a hole through it. The mesh is at most {say.number(rivals.bound)} off, proved.</caption>
       <thead>
         <tr>
           <td />
@@ -545,29 +546,33 @@ export const EN: LessonText = {
         <tr>
           <th scope="row">What the shape is</th>
           <td>
-            the surface, listed: {say.whole(facts.indexed.triangles)} triangles, {say.bytes(facts.indexed.bytes)}
+            {say.whole(rivals.triangles)} triangles, {say.bytes(rivals.bytes)}
           </td>
-          <td>space, answered: |p| − r, or {say.whole(facts.baking.samples)} samples</td>
+          <td>max(block, −hole): {say.whole(rivals.operations)} operations</td>
         </tr>
         <tr>
           <th scope="row">Drawing</th>
-          <td>at once; {say.percent(facts.culling.back_share)} of them culled</td>
-          <td>{say.whole(facts.tracing.steps)} steps for one ray, up to {say.whole(facts.tracing.most)}; or mesh it first</td>
+          <td>as it is, each triangle once</td>
+          <td>
+            {say.fixed(rivals.steps, 1)} steps a ray, up to {say.whole(rivals.most_steps)}; or mesh it first
+          </td>
         </tr>
         <tr>
           <th scope="row">Inside test</th>
-          <td>search: all {say.whole(facts.field.edges)} edges of an outline</td>
+          <td>a search: up to {say.whole(rivals.triangles)} triangles</td>
           <td>one value, one sign</td>
         </tr>
         <tr>
           <th scope="row">Booleans</th>
-          <td>cut every pair of triangles that meet</td>
-          <td>min, max: one line</td>
+          <td>
+            {say.whole(rivals.operands[0])} × {say.whole(rivals.operands[1])} = {say.whole(rivals.pairs)} pairs of triangles that may cut each other
+          </td>
+          <td>one max, one line</td>
         </tr>
         <tr>
           <th scope="row">Normals</th>
-          <td>stored: {say.whole(facts.cube.hard)} for a cube</td>
-          <td>the gradient: a few samples</td>
+          <td>stored: {say.whole(rivals.normals)} of them</td>
+          <td>the gradient, from a few samples</td>
         </tr>
       </tbody>
     </table>

@@ -20,6 +20,24 @@ export interface Facts {
   budget: { slope: number };
   overshade: { above: number; below: number };
   levels: { near: Both; far: Both; distances: readonly [number, number] };
+  rivals: Rivals;
+}
+
+/** A block with a hole, as a mesh and as a field. */
+interface Rivals {
+  triangles: number;
+  bytes: number;
+  bound: number;
+  /** Vertices with a normal each. */
+  normals: number;
+  /** Triangles of the block and of the hole, and the pairs of them. */
+  operands: readonly [number, number];
+  pairs: number;
+  /** Operations of the field for one point. */
+  operations: number;
+  /** Of a ray that meets it: on average, and the most. */
+  steps: number;
+  most_steps: number;
 }
 
 interface Both {
@@ -68,6 +86,7 @@ export async function factsOf(ask: Ask): Promise<Facts> {
     budget,
     overshade: { above: await shaded(0), below: await shaded(26) },
     levels: { near: await triangles(0), far: await triangles(4), distances: [0.6, 6] },
+    rivals: ask({ exhibit: "rivals" }),
   };
 }
 

@@ -400,7 +400,7 @@ export const ZH: LessonText = {
     },
     table: {
       title: "并排比较",
-      text: <p>把前面量到的放进一张表。要画得快，用网格；要雕、要融、要查询，用场。</p>,
+      text: <p>同一个形状，两种写法，逐项量过。谁也没有赢。要画得快，用网格；要雕、要融、要查询，用场。</p>,
     },
     budget: {
       title: "误差减半的代价",
@@ -463,8 +463,9 @@ export const ZH: LessonText = {
       text: <p>把茶壶和山放进同一幅画，各画上一个像素作比较。每条弦都长到了极限，却再也看不出来。</p>,
     },
   }),
-  table: (facts, say) => (
+  table: ({ rivals }, say) => (
     <table class="rivals">
+      <caption>一个宽 2 的方块，中间打一个孔。网格的误差至多 {say.number(rivals.bound)}，已证明。</caption>
       <thead>
         <tr>
           <td />
@@ -476,29 +477,33 @@ export const ZH: LessonText = {
         <tr>
           <th scope="row">形状是什么</th>
           <td>
-            列出表面：{say.whole(facts.indexed.triangles)} 个三角形，{say.bytes(facts.indexed.bytes)}
+            {say.whole(rivals.triangles)} 个三角形，{say.bytes(rivals.bytes)}
           </td>
-          <td>回答空间中的每一点：|p| − r，或 {say.whole(facts.baking.samples)} 个样本</td>
+          <td>max(方块, −孔)：{say.whole(rivals.operations)} 步运算</td>
         </tr>
         <tr>
           <th scope="row">绘制</th>
-          <td>马上就画；其中 {say.percent(facts.culling.back_share)} 被剔除</td>
-          <td>一条射线 {say.whole(facts.tracing.steps)} 步，最多 {say.whole(facts.tracing.most)} 步；要么先网格化</td>
+          <td>拿来就画，每个三角形画一次</td>
+          <td>
+            一条射线平均 {say.fixed(rivals.steps, 1)} 步，最多 {say.whole(rivals.most_steps)} 步；要么先网格化
+          </td>
         </tr>
         <tr>
           <th scope="row">判定内外</th>
-          <td>要搜索：轮廓的 {say.whole(facts.field.edges)} 条边全看一遍</td>
+          <td>要搜索：最多查遍 {say.whole(rivals.triangles)} 个三角形</td>
           <td>一个值，一个符号</td>
         </tr>
         <tr>
           <th scope="row">布尔运算</th>
-          <td>相交的三角形两两切开</td>
-          <td>min、max：一行</td>
+          <td>
+            {say.whole(rivals.operands[0])} × {say.whole(rivals.operands[1])} = {say.whole(rivals.pairs)} 对三角形，都可能互相切开
+          </td>
+          <td>取一次最大，一行</td>
         </tr>
         <tr>
           <th scope="row">法线</th>
-          <td>存下来：立方体要存 {say.whole(facts.cube.hard)} 条</td>
-          <td>取梯度：几个样本</td>
+          <td>存下来，共 {say.whole(rivals.normals)} 条</td>
+          <td>取梯度：附近几个样本</td>
         </tr>
       </tbody>
     </table>
@@ -539,7 +544,7 @@ export const ZH: LessonText = {
     segments: {
       ask: "参数等分成多少段，误差才在半个像素以内？",
       unit: "段",
-      answer: <>等分要 {say.whole(facts.segments.evenly)} 段。很多人猜几百。</>,
+      answer: <>等分要 {say.whole(facts.segments.evenly)} 段。再多一千段，看起来也一样。</>,
     },
     tracing: {
       ask: "图中的射线，几步走到表面？",

@@ -267,7 +267,7 @@ test("the keyboard reaches the first figure in ten stops", async () => {
     await page.keyboard.press("Tab");
     if (await page.evaluate(() => document.activeElement?.closest(".hero .scene, #hero-distance") !== null)) break;
   }
-  expect(stops + 1).toBeLessThanOrEqual(14);
+  expect(stops + 1).toBeLessThanOrEqual(10);
   // Or in two, by the first link.
   await page.evaluate(() => (document.activeElement as HTMLElement).blur());
   await page.reload();
