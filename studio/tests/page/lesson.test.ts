@@ -50,9 +50,9 @@ describe("the first picture", () => {
     const { page, errors } = await site.visit(FILE);
     const triangles = () => digits(page, "hero-triangles");
     await page.waitForSelector("[data-hero][data-playing]");
-    const first = await triangles();
     await page.waitForSelector("[data-hero]:not([data-playing])", { timeout: 30_000 });
-    expect(await triangles()).toBeLessThan(first / 5);
+    // From 5,064 where it begins.
+    expect(await triangles()).toBeLessThan(500);
     expect(await page.locator(".hero .live").textContent()).toMatch(/proved/);
     expect(errors).toEqual([]);
     await page.context().close();
