@@ -23,6 +23,8 @@ export interface Listener {
 const ORDER: readonly Kind[] = ["study", "seam", "ladder", "exhibit"];
 /** After this many failures in a row without an answer, the engine gives up. */
 const MOST_FAILURES = 3;
+/** After this many failures of one figure among several, that figure is given up, and the others go on. */
+const MOST_FAILURES_OF_ONE = 2;
 /** An answer takes some milliseconds. A worker that is silent for this long hangs or never started. */
 const PATIENCE_MS = 15_000;
 
@@ -34,6 +36,8 @@ export class Engine {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private nextId = 1;
   private failures = 0;
+  /** Of each figure that has a key of its own. */
+  private readonly failuresByKey = new Map<string, number>();
   private isLost = false;
 
   constructor(
@@ -88,6 +92,7 @@ export class Engine {
     clearTimeout(this.timer);
     this.failures = 0;
     const key = this.currentKey;
+    this.failuresByKey.delete(key);
     // Before the answer is shown, so that the worker computes while the page draws.
     this.send();
     if ("answer" in reply) this.listener.answered(call.kind, reply.answer as never, call.question as never, key);
@@ -109,9 +114,15 @@ export class Engine {
       this.listener.troubled({ what: "lost" });
       return;
     }
-    if (call && !this.waitingQuestions.has(this.currentKey)) this.waitingQuestions.set(this.currentKey, call);
+    const key = this.currentKey;
+    const failures = (this.failuresByKey.get(key) ?? 0) + 1;
+    const isGivenUp = call !== null && key !== call.kind && failures >= MOST_FAILURES_OF_ONE;
+    this.failuresByKey.set(key, failures);
+    if (isGivenUp) this.waitingQuestions.delete(key);
+    else if (call && !this.waitingQuestions.has(key)) this.waitingQuestions.set(key, call);
     this.worker = this.start();
-    this.listener.troubled({ what: "rebuilt" });
+    if (isGivenUp) this.listener.troubled({ what: "lost" }, key);
+    else this.listener.troubled({ what: "rebuilt" });
     this.send();
   }
 }

@@ -124,3 +124,35 @@ test("an answer resets the count of failures", () => {
   expect(answered.length).toBe(10);
   expect(troubles.every(({ what }) => what === "rebuilt")).toBe(true);
 });
+
+test("several figures share the worker: each has its newest question, and one that fails twice does not stop the others", () => {
+  const lost: (string | undefined)[] = [];
+  const keys: string[] = [];
+  const shared = new Engine(
+    () => {
+      workers.push(new Puppet());
+      return last();
+    },
+    {
+      answered: (_, __, ___, key) => keys.push(key),
+      troubled: (trouble, key) => trouble.what === "lost" && lost.push(key),
+    },
+  );
+  const ask = (id: string, n: number) => shared.ask("exhibit", { exhibit: id, n }, id);
+  ask("bad", 1);
+  ask("good", 1);
+  ask("good", 2);
+  ask("sleepy", 1);
+  expect(shared.forget("sleepy")).toBe(true);
+  expect(shared.forget("sleepy")).toBe(false);
+  last().reply({ broken: "trap" });
+  // The others were asked before it is tried again.
+  expect(last().calls.at(-1)!.question).toEqual({ exhibit: "good", n: 2 });
+  last().reply({ answer: {} });
+  last().reply({ broken: "trap" });
+  expect(lost).toEqual(["bad"]);
+  ask("good", 3);
+  last().reply({ answer: {} });
+  expect(keys).toEqual(["good", "good"]);
+  expect(shared.isIdle).toBe(true);
+});
