@@ -62,8 +62,11 @@ function placed({ positions }: TeapotLevel, spin: number, scale: number, aside: 
   return moved;
 }
 
-/** The width of the teapot on a screen of 1920 by 1080 with a field of view of 45 degrees: `from` is where its error is a pixel. */
-const widthOf = ({ error, from }: TeapotLevel, distance: number) => ((WIDTH / error) * from) / distance;
+/** Pixels of a metre at a metre, in the middle of a screen of 1920 by 1080 with a field of view of 45 degrees. */
+const LENS = 1080 / 2 / Math.tan(Math.PI / 8);
+
+/** The teapot's width on that screen, in pixels. */
+export const widthAt = (distance: number) => (WIDTH * LENS) / distance;
 
 /** Where both stand, and their sizes in pixels. */
 function standing({ levels, state, size }: HeroProps) {
@@ -73,7 +76,7 @@ function standing({ levels, state, size }: HeroProps) {
   const pixels = (at.to([WIDTH, 0, HOME.target[2]])[0] - at.to([0, 0, HOME.target[2]])[0]) / WIDTH;
   const most = SHARE * size.width;
   // Nearer than this it would not fit beside the other one.
-  return { level, at, pixels, most, seen: Math.min(widthOf(level, distance), most), aside: (APART * size.width) / pixels };
+  return { level, at, pixels, most, seen: Math.min(widthAt(distance), most), aside: (APART * size.width) / pixels };
 }
 
 function pictureOf(props: HeroProps): Picture {
@@ -140,7 +143,7 @@ export function HeroBench(props: HeroProps) {
           over={() => <Lens {...props} />}
         />
         <p class="halves" id="hero-hint">
-          <span>{words.seenFrom(metres, say.whole(Math.round(widthOf(level, distance))))}</span>
+          <span>{words.seenFrom(metres, say.whole(Math.round(widthAt(distance))))}</span>
           <span>{words.upClose}</span>
         </p>
       </div>

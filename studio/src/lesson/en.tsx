@@ -504,7 +504,8 @@ export const EN: LessonText = {
           So keep the shape in several <Term id="lod">levels of detail</Term>, each proved to be within some length, and measure that length where it counts, on the
           screen: in <Term id="screen-space">screen space</Term>. From{" "}
           <Handle figure="levels" field="stop" value={0} low={0} high={18} name="Camera to teapot" shown={DISTANCES.map((distance) => metres(say, distance))} /> away the
-          coarsest level within one pixel is shown. A figure 20 pixels tall needs a few dozen triangles.
+          coarsest level within one pixel is shown. From {metres(say, DISTANCES[6]!)} the teapot is {say.whole(facts.levels.smallPixels)}{" "}
+          pixels wide, and {say.whole(facts.levels.small.teapot)} triangles are enough.
         </p>
       ),
       after: (

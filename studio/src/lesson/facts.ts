@@ -1,5 +1,7 @@
 // The numbers in the lesson's text: computed by the core when the page is built, for the states that its figures open with.
+import { STOPS as DISTANCES } from "../exhibits/levels";
 import { loaded } from "./figures";
+import { widthAt } from "./Hero";
 import { BLOCKS } from "./outline";
 import { levelsOf, type TeapotLevel } from "./teapot_levels";
 
@@ -19,7 +21,7 @@ export interface Facts {
   baking: { triangles: number; samples: number; back: number; measured: number };
   budget: { slope: number };
   overshade: { above: number; below: number };
-  levels: { near: Both; far: Both; distances: readonly [number, number] };
+  levels: { near: Both; far: Both; small: Both; smallPixels: number };
   rivals: Rivals;
 }
 
@@ -85,7 +87,7 @@ export async function factsOf(ask: Ask): Promise<Facts> {
     baking: { triangles: baking.triangles[0], samples: baking.samples, back: baking.triangles[1], measured: baking.measured },
     budget,
     overshade: { above: await shaded(0), below: await shaded(26) },
-    levels: { near: await triangles(0), far: await triangles(4), distances: [0.6, 6] },
+    levels: { near: await triangles(0), far: await triangles(4), small: await triangles(6), smallPixels: widthAt(DISTANCES[6]!) },
     rivals: ask({ exhibit: "rivals" }),
   };
 }

@@ -439,7 +439,7 @@ export const ZH: LessonText = {
         <p>
           所以同一个形状要存几个<Term id="lod">细节层次</Term>，每一层的误差都有证明过的上界，单位是长度；再把这个长度换算到真正要紧的地方，<Term id="screen-space">屏幕空间</Term>
           。从 <Handle figure="levels" field="stop" value={0} low={0} high={18} name="镜头到茶壶" shown={DISTANCES.map((distance) => metres(say, distance))} />{" "}
-          外看，就显示误差不超过一个像素的最粗的一层。20 像素高的小人，几十个三角形就够了。
+          外看，就显示误差不超过一个像素的最粗的一层。退到 {metres(say, DISTANCES[6]!)} 外，茶壶只有 {say.whole(facts.levels.smallPixels)} 像素宽，{say.whole(facts.levels.small.teapot)} 个三角形就够了。
         </p>
       ),
       after: (
