@@ -3,11 +3,13 @@ import { Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Flat, longPath, type Point, path, toSvg } from "./Flat";
 import { number } from "./fragment";
-import { Grip, px } from "./Grip";
+import { Grip } from "./Grip";
 import type { Language } from "./say";
 
 interface State {
   count: number;
+  /** The point that is moved, counted from the middle one. */
+  row: number;
   lift: number;
 }
 
@@ -26,13 +28,14 @@ interface Answer {
 
 const COUNTS = [5, 15] as const;
 const LIFTS = [-1.5, 1.5] as const;
-const defaults: State = { count: 11, lift: 0.15 };
-/** The index of the point that is moved: the middle one. */
-const rowOf = ({ count }: State) => (count - 1) / 2;
+const defaults: State = { count: 11, row: 0, lift: 0.15 };
+const middleOf = ({ count }: State) => (count - 1) / 2;
+/** The index of the point that is moved. */
+const rowOf = (state: State) => middleOf(state) + Math.min(Math.max(state.row, -middleOf(state)), middleOf(state));
 
 interface Texts extends CommonTexts {
   figure: string;
-  handle: string;
+  handle(n: number): string;
   spoken(lift: string): string;
   count: string;
   degree(n: number): string;
@@ -49,9 +52,9 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the middle point up or down. Dashes show where both curves were.{keys} Arrow keys move it, with Shift by small steps; Page Up and Page Down by large ones.",
+    hint: "Drag any point up or down. Dashes show where both curves were.{keys} Arrow keys move it, with Shift by small steps; Page Up and Page Down by large ones.",
     figure: "Points of a bell-shaped function, a polynomial and a spline through them, and a point to move",
-    handle: "The middle point",
+    handle: (n) => `Point ${n}`,
     spoken: (lift) => `moved by ${lift}`,
     count: "Points",
     degree: (n) => `degree ${n}`,
@@ -69,14 +72,14 @@ const texts: Record<Language, Texts> = {
       "This *spline* has a cubic between each two points, joined so that direction and bending agree. If a point moves, the next piece moves, too, and each one further off less than a third as much: in practice the change stays local. Splines that are given by control points, and chains of Bézier curves, are local without any remainder. That is why drawing programs offer degree 3 and not 20.",
     ],
     attempts: [
-      "Move the middle point a little and watch both ends.",
+      "Move the middle point a little and watch both ends. Then move one at an end.",
       "Take 15 points, then 5. Which of the two curves gets better with more points?",
     ],
   },
   zh: {
-    hint: "上下拖动中间的点。虚线是移动前的两条曲线。{keys}方向键移动它，加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    hint: "上下拖动任意一点。虚线是移动前的两条曲线。{keys}方向键移动它，加 Shift 走小步，Page Up 和 Page Down 走大步。",
     figure: "钟形函数上的点，穿过它们的一个多项式和一条样条，以及一个可移动的点",
-    handle: "中间的点",
+    handle: (n) => `第 ${n} 个点`,
     spoken: (lift) => `移动了 ${lift}`,
     count: "点数",
     degree: (n) => `${n} 次`,
@@ -94,7 +97,7 @@ const texts: Record<Language, Texts> = {
       "这条*样条*在每两点之间是一段三次曲线，相接处方向和弯曲一致。移动一个点，邻段跟着动，往外每隔一段，变化都不到前一段的三分之一，很快就看不出来。由控制点给出的样条和贝塞尔曲线链，影响则严格限于局部。绘图软件用三次曲线而不用 20 次，原因就在这里。",
     ],
     attempts: [
-      "把中间的点稍稍移动，看两端。",
+      "把中间的点稍稍移动，看两端；再动一动靠边的点。",
       "取 15 个点，再取 5 个点：点越多，哪条曲线越好？",
     ],
   },
@@ -122,7 +125,6 @@ function heightAt(curve: Float32Array, x: number): number {
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill, isSmall } = page;
   const { curves, moves } = answer;
-  const moved = answer.points[rowOf(state)]!;
   const swing = ["polynomial_before", "polynomial"] as const;
   const reach = swing.map((name) => toFigure(moves.polynomial.at, heightAt(curves[name], moves.polynomial.at)));
   const [unitX, unitY] = [toSvg([0, 0]), toSvg([0, 1])];
@@ -140,10 +142,6 @@ function Figure({ page }: { page: Page }) {
       <path class="spline" d={drawn(curves.spline)} />
       <path class="polynomial" d={drawn(curves.polynomial)} />
       {moves.polynomial.by > 0 && <path class="swing" d={path(reach, false)} />}
-      {answer.points.map(([x, y], i) => {
-        const [px0, py0] = toSvg(toFigure(x, y));
-        return i === rowOf(state) ? null : <circle key={i} class="node" cx={px(px0)} cy={px(py0)} r={4.5} />;
-      })}
       {!isSmall &&
         (
           [
@@ -159,21 +157,31 @@ function Figure({ page }: { page: Page }) {
             </text>
           </g>
         ))}
-      <Grip
-        name={texts.handle}
-        spoken={texts.spoken(say.fixed(state.lift))}
-        now={state.lift}
-        low={LIFTS[0]}
-        high={LIFTS[1]}
-        at={toSvg(toFigure(...moved))}
-        along={0}
-        isStill={isStill}
-        grab={() => (_, dy) => set({ lift: within(state.lift - dy / unit) })}
-        step={(right, up) => {
-          const far = up || right;
-          set(({ lift }) => ({ lift: within(lift + far * (Math.abs(far) < 1 ? 0.1 : 0.05)) }));
-        }}
-      />
+      {answer.points.map((place, i) => {
+        const isMoved = i === rowOf(state);
+        const lift = isMoved ? state.lift : 0;
+        const row = i - middleOf(state);
+        return (
+          <Grip
+            key={i}
+            name={texts.handle(i + 1)}
+            spoken={texts.spoken(say.fixed(lift))}
+            now={lift}
+            low={LIFTS[0]}
+            high={LIFTS[1]}
+            at={toSvg(toFigure(...place))}
+            {...(isMoved ? { along: 0 } : { isFaint: true })}
+            reach={20}
+            isStill={isStill}
+            grab={() => (_, dy) => set({ row, lift: within(lift - dy / unit) })}
+            step={(right, up) => {
+              const far = up || right;
+              // The others go back to the function.
+              set((state) => ({ row, lift: within((rowOf(state) === i ? state.lift : 0) + far * (Math.abs(far) < 1 ? 0.1 : 0.05)) }));
+            }}
+          />
+        );
+      })}
     </Flat>
   );
 }
@@ -201,7 +209,7 @@ function Panel({ page }: { page: Page }) {
     <>
       <Slider
         id="lift"
-        label={texts.handle}
+        label={texts.handle(rowOf(state) + 1)}
         shown={say.fixed(state.lift)}
         spoken={texts.spoken(say.fixed(state.lift))}
         low={LIFTS[0]}
@@ -249,7 +257,7 @@ const count = {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { count: ["n", count], lift: ["h", number(...LIFTS, 100)] },
+  parts: { count: ["n", count], row: ["k", number(-7, 7)], lift: ["h", number(...LIFTS, 100)] },
   question: (state) => ({ count: state.count, row: rowOf(state), lift: state.lift }),
   texts,
   number: liveNumber,

@@ -80,16 +80,20 @@ test("joins: the chosen class is kept, the handle breaks higher ones, and the re
 
 test("runge: the rest of the polynomial moves several times as far as the point, the rest of the spline hardly", async () => {
   const page = await pages.at("runge.html#v=1&h=0.2");
+  const point = (n: number) => page.getByRole("slider", { name: `Point ${n}`, exact: true }).and(page.locator(".grip"));
   const one = await pages.number("runge");
   expect(one).toBeGreaterThan(5 * 0.2);
   expect(await digits(page, "spline-moves")).toBeLessThan(0.2 / 5);
-  await grip(page).focus();
+  await point(6).focus();
   for (let i = 0; i < 4; i++) await page.keyboard.press("ArrowUp");
   expect(await pages.number("runge")).toBeCloseTo(2 * one, 9);
   await page.locator("#count").fill("15");
   expect(await pages.number("runge")).toBeGreaterThan(6 * one);
-  await drag(page, grip(page), 0, 40);
+  await drag(page, point(8), 0, 40);
   expect((await pages.state("runge"))["lift"]).toBeLessThan(0.1);
+  await drag(page, point(3), 0, -20);
+  expect((await pages.state("runge"))["row"]).toBe(-5);
+  expect(await pages.number("runge")).toBeGreaterThan(0.2);
   await page.locator("#lift").fill("0");
   expect(await pages.number("runge")).toBe(0);
   await page.locator("#count").fill("11");
