@@ -27,7 +27,7 @@ interface Answer {
   points: number;
 }
 
-const HOME: View = { azimuth: -58, elevation: 24, distance: 9.6, target: [0.1, -0.1, 0.1] };
+const HOME: View = { azimuth: -58, elevation: 24, distance: 8.9, target: [0.15, -0.15, -0.05] };
 const WITHIN = 3;
 const defaults: State = {
   // The upper right corner in front is pulled out.
