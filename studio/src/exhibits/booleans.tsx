@@ -1,4 +1,4 @@
-// A block minus a drill, by the textbook method for meshes, by the core, and as a field: where a mesh cracks, a field cannot.
+// A block minus a drill, by the textbook method for meshes and as a field: where a mesh cracks, a field cannot.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import type { Layer, Picture, Vec3, View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -9,7 +9,7 @@ import { PAINT } from "./paint";
 import { Scene } from "./Scene";
 import type { Language } from "./say";
 
-type Way = "textbook" | "library" | "field";
+type Way = "textbook" | "field";
 
 interface State {
   way: Way;
@@ -32,8 +32,7 @@ interface Answer {
   closed: boolean;
   triangles: number;
   textbook: number;
-  library: number;
-  moved: number | null;
+  field: number;
   volume: number;
   close: number;
 }
@@ -64,9 +63,8 @@ interface Texts extends CommonTexts {
   closed(triangles: string): string;
   open(n: string): string;
   textbook: string;
-  library: string;
+  field: string;
   volume: string;
-  moved: string;
 }
 
 const texts: Record<Language, Texts> = {
@@ -76,8 +74,8 @@ const texts: Record<Language, Texts> = {
     handle: "Drill",
     at: (x, y) => `x ${x}, y ${y}`,
     way: "Block minus drill",
-    ways: { textbook: "textbook mesh", library: "core’s mesh", field: "field" },
-    rule: { textbook: "planes cut polygons", library: "every sign exact", field: "max(a, −b)" },
+    ways: { textbook: "textbook mesh", field: "field" },
+    rule: { textbook: "planes cut polygons", field: "max(a, −b)" },
     tip: "Tip of the drill",
     above: (height) => `${height} above the lower face`,
     below: (depth) => `${depth} below the lower face`,
@@ -90,13 +88,12 @@ const texts: Record<Language, Texts> = {
     closed: (triangles) => `Closed: ${triangles} triangles have an inside.`,
     open: (n) => `${n} edges do not have two triangles, one on each side: it leaks, and has no inside.`,
     textbook: "Open edges, textbook",
-    library: "Open edges, core",
+    field: "Open edges, field",
     volume: "Volume",
-    moved: "The core moved its faces by at most",
     story: [
       "For a field, block minus drill is *max(a, −b)*, a number for each point; there is nothing to fit together. For meshes, every face of one has to be cut along the faces of the other, and the pieces have to meet again. The *textbook* way cuts polygons by planes in floating point, and asks whether a corner is *on* a plane, which it calls everything within 0.00001. In general places that works.",
       "Near special places it does not. If the drill ends *almost* level with the lower face and leans a little, one corner counts as on the plane and its neighbour as beside it; pieces are kept twice or not at all, and the mesh *cracks*. No tolerance helps: a smaller one moves the places where it goes wrong, and a larger one makes them larger.",
-      "The core decides every sign exactly, or by a perturbation that is the same everywhere, and proves of the result that it is closed. The textbook method here was written for this page, as it is in many small programs (binary space partition; Naylor, Amanatides and Thibault, 1990): corners closer than the tolerance are merged, and corners on a side of a neighbour are put into it.",
+      "The core meshes the field: it asks for signs, not for pieces that fit, so its mesh is closed wherever the drill is. For solids that are meshes and nothing else, the command has a boolean that decides every sign exactly. The textbook method here was written for this page, as it is in many small programs (binary space partition; Naylor, Amanatides and Thibault, 1990): corners closer than the tolerance are merged, and corners on a side of a neighbour are put into it.",
     ],
     attempts: [
       "Move the tip step by step past the lower face: which heights crack the textbook’s mesh?",
@@ -109,8 +106,8 @@ const texts: Record<Language, Texts> = {
     handle: "钻头",
     at: (x, y) => `x ${x}，y ${y}`,
     way: "块减钻头",
-    ways: { textbook: "教科书的网格", library: "核心的网格", field: "场" },
-    rule: { textbook: "平面切多边形", library: "每个符号都精确", field: "max(a, −b)" },
+    ways: { textbook: "教科书的网格", field: "场" },
+    rule: { textbook: "平面切多边形", field: "max(a, −b)" },
     tip: "钻头的尖端",
     above: (height) => `高出底面 ${height}`,
     below: (depth) => `低于底面 ${depth}`,
@@ -123,13 +120,12 @@ const texts: Record<Language, Texts> = {
     closed: (triangles) => `封闭：${triangles} 个三角形围出了内部。`,
     open: (n) => `${n} 条边没有恰好两个方向相反的三角形：它漏了，分不出内外。`,
     textbook: "教科书：没有配对的边",
-    library: "核心：没有配对的边",
+    field: "场：没有配对的边",
     volume: "体积",
-    moved: "核心移动各面至多",
     story: [
       "对场来说，块减钻头就是 *max(a, −b)*，每一点一个数，没有什么要拼合。对网格来说，一方的每个面都要沿另一方的面切开，切出的碎片还得重新对上。*教科书*的做法是在浮点数里用平面切多边形，并且要问一个角是不是*在*平面上：相差 0.00001 以内都算。位置一般时，这样行得通。",
       "碰到特殊位置就不行了。钻头稍微歪一点，又*差一点点*与底面齐平时，一个角算在平面上，旁边的角却算在平面外；有的碎片留了两次，有的一次也没留，网格就*裂开*了。换容差也没有用：小一些，出错的地方只是挪个位置；大一些，出错的范围更大。",
-      "核心对每个符号都精确判定，或者用处处一致的扰动来判定，并证明结果是封闭的。这里的教科书做法是为本页写的，许多小程序都这样写（二叉空间划分；Naylor、Amanatides、Thibault，1990）：相距小于容差的角合而为一，落在邻边上的角插进那条边。",
+      "核心直接把场变成网格：它只问符号，不必拼合碎片，所以钻头在哪里，网格都是封闭的。如果只有网格，命令行也有布尔运算，对每个符号都精确判定。这里的教科书做法是为本页写的，许多小程序都这样写（二叉空间划分；Naylor、Amanatides、Thibault，1990）：相距小于容差的角合而为一，落在邻边上的角插进那条边。",
     ],
     attempts: ["让尖端一步步越过底面：哪些高度会让教科书的网格裂开？", "让钻头多歪或少歪一点：裂缝到哪里去了？再换成场。"],
   },
@@ -208,7 +204,7 @@ function Panel({ page }: { page: Page }) {
         name="way"
         legend={texts.way}
         value={state.way}
-        options={(["textbook", "library", "field"] as const).map((value) => ({
+        options={(["textbook", "field"] as const).map((value) => ({
           value,
           label: texts.ways[value],
           extra: <small> {texts.rule[value]}</small>,
@@ -243,7 +239,7 @@ function Panel({ page }: { page: Page }) {
         </label>
       </p>
       <dl>
-        {(["textbook", "library"] as const).map((name) => (
+        {(["textbook", "field"] as const).map((name) => (
           <div key={name}>
             <dt>{texts[name]}</dt>
             <dd>
@@ -261,14 +257,6 @@ function Panel({ page }: { page: Page }) {
             </Data>
           </dd>
         </div>
-        <div>
-          <dt>{texts.moved}</dt>
-          <dd>
-            <Data name="moved" value={answer.moved}>
-              {answer.moved === null ? "—" : answer.moved === 0 ? "0" : answer.moved.toExponential(0)}
-            </Data>
-          </dd>
-        </div>
       </dl>
     </>
   );
@@ -277,7 +265,7 @@ function Panel({ page }: { page: Page }) {
 export default exhibit<State, Answer, Texts>({
   defaults,
   parts: {
-    way: ["s", word("textbook", "library", "field")],
+    way: ["s", word("textbook", "field")],
     place: ["p", point([-1.8, 1.8], [-1.5, 1.5])],
     tip: ["n", number(0, TIPS.length - 1)],
     tilt: ["t", number(0, TILTS.length - 1)],

@@ -1,6 +1,6 @@
 //! Sphere tracing: each step of a ray is as long as the value of the field allows.
 use super::answer::ExhibitAnswer;
-use super::plane::{Region, below, loops, once, or_text, outline, raised, regions};
+use super::plane::{Latest, Region, below, latest, loops, or_text, outline, raised, regions};
 use super::request::ExhibitRequest;
 use chordal::convert::shader::field_to_shader;
 use chordal::explicit::Polyline;
