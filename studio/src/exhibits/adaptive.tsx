@@ -84,7 +84,7 @@ const texts: Record<Language, Texts> = {
       !cuts.includes("bends")
         ? "Every patch has the same number of cells: as many as the one that needs most."
         : `${cuts.includes("near") ? `Every place is within ${px} of where it should be in the picture` : `One length for all places: that of ${px} at the nearest one`}${
-            cuts.includes("outline") ? `; where there is no outline, within ${elsewhere} of them.` : "."
+            cuts.includes("outline") ? `; where there is no outline, within ${elsewhere} times as many.` : "."
           }`,
     steps: "Triangles from this eye, as far as you have tried",
     ladder: ["cut equally", "+ bends", "+ distance", "+ outline"],

@@ -38,7 +38,7 @@ interface Answer {
 
 const [FEWEST, MOST] = [4, 40] as const;
 const SHOWN: readonly Shown[] = ["surface", "cells", "slice"];
-const HOME: View = { azimuth: -52, elevation: 24, distance: 4.7, target: [0, 0, 0] };
+const HOME: View = { azimuth: -52, elevation: 24, distance: 6.2, target: [0, 0, 0] };
 const defaults: State = { cells: 10, method: "cubes", shown: SHOWN, slice: 0.5, view: HOME };
 
 interface Texts extends CommonTexts {

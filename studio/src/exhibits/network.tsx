@@ -43,7 +43,7 @@ interface Answer {
 }
 
 const [FEWEST, MOST] = [4, 64] as const;
-const HOME: View = { azimuth: -58, elevation: 18, distance: 4.6, target: [0, 0, 0.02] };
+const HOME: View = { azimuth: -58, elevation: 18, distance: 6.4, target: [0, 0, 0] };
 const defaults: State = { look: "both", cells: 24, threshold: 50, probe: [0.2, 0, -0.25], view: HOME };
 
 interface Texts extends CommonTexts {
