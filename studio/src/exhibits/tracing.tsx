@@ -175,17 +175,34 @@ const HOME: View = { azimuth: -62, elevation: 24, distance: 8.5, target: [0, 0, 
 function Space({ shader, texts }: { shader: string; texts: Texts }) {
   const [view, setView] = useState(HOME);
   const [isPossible, setPossible] = useState(true);
+  // The viewer is large: it is loaded when the reader comes here.
+  const [isNear, setNear] = useState(false);
+  const root = useRef<HTMLElement>(null);
+  useEffect(() => {
+    const observer = new IntersectionObserver((entries) => {
+      if (!entries.some((entry) => entry.isIntersecting)) return;
+      observer.disconnect();
+      const gl = document.createElement("canvas").getContext("webgl2");
+      // A browser allows few contexts at once.
+      gl?.getExtension("WEBGL_lose_context")?.loseContext();
+      if (gl) setNear(true);
+      else setPossible(false);
+    });
+    observer.observe(root.current!);
+    return () => observer.disconnect();
+  }, []);
   const fail = useRef((isDrawn: boolean) => setPossible(isDrawn));
   const picture = useMemo<Picture>(
     () => ({ layers: [{ kind: "field", id: "space", program: fieldProgram(shader), paint: PAINT.front, light: "steps", drawn: fail.current }] }),
     [shader],
   );
   return (
-    <figure class="in-space" hidden={!isPossible}>
+    <figure class="in-space" hidden={!isPossible} ref={root}>
       <figcaption id="space-hint">
         <b>{texts.space}</b> {texts.spaceSays}
       </figcaption>
-      <Scene name={texts.space} help="space-hint" picture={picture} view={view} home={HOME} look={setView} isStill={false} />
+      {!isNear && <div class="scene" />}
+      {isNear && <Scene name={texts.space} help="space-hint" picture={picture} view={view} home={HOME} look={setView} isStill={false} />}
       <svg class="ramp-scale" viewBox="0 0 80 6" preserveAspectRatio="none" aria-hidden="true">
         {rampStops("heat").map((color, i) => (
           <rect key={i} x={10 * i} width={10.2} height={6} fill={color} />

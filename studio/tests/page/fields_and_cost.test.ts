@@ -71,6 +71,9 @@ test("tracing: a direct ray takes few steps, a grazing one many", async () => {
   }
   expect(gone).toEqual([...gone].sort((a, b) => a - b));
   expect(gone[0]).toBe(0);
+  // The scene in space is drawn when the reader comes there, and stays while a ray is dragged.
+  await page.locator(".in-space").scrollIntoViewIfNeeded();
+  await page.waitForSelector('.in-space .scene[data-viewer="webgl"]');
 });
 
 test("squares: twice as fine a lattice still cuts corners off, and the mesher that knows the parts does not", async () => {
