@@ -26,7 +26,7 @@ export function LiveField({ page, isCurrent, drawn, children }: { page: Page; is
 
   useEffect(() => {
     const element = root.current!;
-    const stage = element.querySelector<HTMLElement>(".live")!;
+    const stage = element.querySelector<HTMLElement>(".card-picture")!;
     let isGone = false;
     let created: Viewer | null = null;
     const free = control(element, {
@@ -73,7 +73,7 @@ export function LiveField({ page, isCurrent, drawn, children }: { page: Page; is
   return (
     <div class="live-field" ref={root} tabindex={0} role="group" aria-label={words.besides.traced} aria-describedby="turn-hint" data-live={isDrawn ? "" : undefined}>
       {children}
-      <div class="live" data-shown={isLive ? "" : undefined} />
+      <div class="card-picture" data-shown={isLive ? "" : undefined} />
     </div>
   );
 }

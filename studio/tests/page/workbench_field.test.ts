@@ -22,12 +22,12 @@ test("shows the card's picture while one turns, and the core's when one rests", 
   const { page, errors } = await open("box(2, 2, 1) - cylinder(0.4, 2)");
   await page.waitForSelector(".live-field[data-live]");
   await settled(page);
-  expect(await page.locator(".live[data-shown]").count()).toBe(0);
+  expect(await page.locator(".card-picture[data-shown]").count()).toBe(0);
   await page.locator(".live-field").focus();
   await page.keyboard.press("ArrowLeft");
-  await page.waitForSelector(".live[data-shown] canvas");
+  await page.waitForSelector(".card-picture[data-shown] canvas");
   // The core's picture of the new view replaces it.
-  await page.waitForSelector(".live:not([data-shown])", { state: "attached" });
+  await page.waitForSelector(".card-picture:not([data-shown])", { state: "attached" });
   await settled(page);
   expect(faults(errors)).toEqual([]);
 });
@@ -37,7 +37,7 @@ test("another number changes the picture before the core has drawn it", async ()
   await page.waitForSelector(".live-field[data-live]");
   await settled(page);
   await write(page, "sphere(1) & box(1.2, 1.6, 1.6)");
-  await page.waitForSelector(".live[data-shown] canvas");
+  await page.waitForSelector(".card-picture[data-shown] canvas");
   await settled(page);
   expect(await page.locator(".live-field[data-live]").count()).toBe(1);
   expect(faults(errors)).toEqual([]);
