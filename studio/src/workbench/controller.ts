@@ -23,6 +23,7 @@ import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, withPictures } from "./glb";
 import { MOST_FAULTS, inScript, isMendable, withoutFault } from "./faults";
 import { type Jobs, Stopped } from "./jobs";
+import { FieldSource } from "./field_source";
 import { type Fault, KEEP_BEST, faultOf, madeBy, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
@@ -57,9 +58,6 @@ const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
 const SHOWN_FIRST = 1e6;
 /** The command's exit code for an unknown option. */
 const USAGE = 2;
-/** The code of a refusal: a field that is no expression has no program. */
-const UNSUPPORTED = "unsupported";
-const SHADER = "field.glsl";
 /** The largest total size of opened files. Chosen: a browser holds several copies of them in memory. */
 const MOST_BYTES = 600e6;
 /** The initial distance from the centre of the box to the eye, in diagonals. */
@@ -77,6 +75,11 @@ export class Controller {
   state: State;
   /** The scripts that this browser keeps; `null` while pages are written. */
   shelf: Shelf | null = null;
+  private readonly fieldSource = new FieldSource({
+    state: () => this.state,
+    update: (change) => this.update(change),
+    run: (line, files) => this.run("field", line, files, true),
+  });
 
   constructor(
     private readonly jobs: Jobs<LaneName>,
@@ -393,7 +396,7 @@ export class Controller {
       this.jobs.cancel("draft");
       if (isMesh(current) && (current.files[current.name]?.length ?? 0) > SHOWN_FIRST) void this.showFirst(current);
     }
-    void this.shade();
+    if (this.isBesideShown) void this.fieldSource.follow();
     // During a drag there are only drafts: a proof would be of an older number before it ends.
     if (isDragging) {
       this.jobs.cancel("proof");
@@ -442,28 +445,6 @@ export class Controller {
     const { ended, bench: current } = this.state;
     if (ended === current) void this.proveOlder(current);
   }
-
-  /** Asks for the field in GLSL. Runs follow one another like drafts, so that the picture follows a drag. */
-  private async shade(): Promise<void> {
-    if (this.isShading || !this.isBesideShown) return;
-    this.isShading = true;
-    try {
-      while (this.shadedOf !== this.state.bench) {
-        const { bench: current } = this.state;
-        this.shadedOf = current;
-        // A script with a mistake keeps the picture of the last one that worked; another file does not.
-        if (this.state.field && this.state.field.bench.name !== current.name) this.update({ field: null });
-        const outcome = isScript(current) ? await this.run("field", ["convert", ...reading(current), SHADER, "--force"], current.files, true) : null;
-        const bytes = outcome?.outputs[SHADER];
-        if (bytes) this.update({ field: { bench: current, source: new TextDecoder().decode(bytes) } });
-        else if (outcome && reportOf(outcome).error?.code === UNSUPPORTED) this.update({ field: null });
-      }
-    } finally {
-      this.isShading = false;
-    }
-  }
-  private isShading = false;
-  private shadedOf: Bench | null = null;
 
   private async prove(): Promise<void> {
     const { bench: current } = this.state;
@@ -597,7 +578,7 @@ export class Controller {
     if (this.isBesideShown === isShown) return;
     this.isBesideShown = isShown;
     if (!isShown) return;
-    void this.shade();
+    void this.fieldSource.follow();
     this.schedule("picture", () => void this.draw());
   }
   private isBesideShown = false;

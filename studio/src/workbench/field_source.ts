@@ -1,0 +1,44 @@
+// The field of the current script in GLSL, for the graphics card. Runs follow one another like drafts, so that the picture
+// follows a drag.
+import type { Files, Outcome } from "./command";
+import { type Bench, type Line, isScript, reading } from "./document";
+import { reportOf } from "./outcome";
+import type { State } from "./state";
+
+/** The code of a refusal: a field that is no expression has no program. */
+const UNSUPPORTED = "unsupported";
+const OUTPUT = "field.glsl";
+
+/** The part of the controller that it uses. */
+interface Owner {
+  state(): State;
+  update(change: Partial<State>): void;
+  run(line: Line, files: Files): Promise<Outcome | null>;
+}
+
+export class FieldSource {
+  private isRunning = false;
+  private newest: Bench | null = null;
+  constructor(private readonly owner: Owner) {}
+
+  /** Asks for the field of the current script, and of each that replaces it meanwhile. */
+  async follow(): Promise<void> {
+    if (this.isRunning) return;
+    this.isRunning = true;
+    const { owner } = this;
+    try {
+      while (this.newest !== owner.state().bench) {
+        const { bench: current, field } = owner.state();
+        this.newest = current;
+        // A script with a mistake keeps the picture of the last one that worked; another file does not.
+        if (field && field.bench.name !== current.name) owner.update({ field: null });
+        const outcome = isScript(current) ? await owner.run(["convert", ...reading(current), OUTPUT], current.files) : null;
+        const bytes = outcome?.outputs[OUTPUT];
+        if (bytes) owner.update({ field: { bench: current, source: new TextDecoder().decode(bytes) } });
+        else if (outcome && reportOf(outcome).error?.code === UNSUPPORTED) owner.update({ field: null });
+      }
+    } finally {
+      this.isRunning = false;
+    }
+  }
+}
