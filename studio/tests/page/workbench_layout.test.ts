@@ -209,3 +209,34 @@ test("a face leads to its line in the script, and a line to its faces; print() a
   expect(await page.locator(".more-faults").textContent()).toContain("Line 2");
   expect(await page.locator(".cm-problem").count()).toBe(2);
 });
+
+test.each(["no-preference", "reduce"] as const)("a turn goes on after it was let go and comes to rest, but not with reduced motion: %s", async (reducedMotion) => {
+  const { page } = await pages.open(undefined, { ...LAPTOP, reducedMotion });
+  // All in one task, since a busy machine hands events of a real pointer on too late to be a throw.
+  await page.locator(".scene").evaluate((scene) => {
+    scene.setPointerCapture = () => undefined;
+    const send = (type: string, x: number) =>
+      scene.dispatchEvent(new PointerEvent(type, { pointerId: 1, pointerType: "mouse", button: 0, buttons: 1, clientX: x, clientY: 400, bubbles: true }));
+    send("pointerdown", 800);
+    for (let i = 1; i <= 8; i++) send("pointermove", 800 + 10 * i);
+    send("pointerup", 880);
+  });
+  const triad = () => page.locator(".triad").innerHTML();
+  const turned = await page.evaluate(async () => {
+    const frame = () => new Promise(requestAnimationFrame);
+    const seen = new Set<string>();
+    // Until it rests: for ten frames nothing changes.
+    for (let still = 0; still < 10; still++) {
+      await frame();
+      const now = document.querySelector(".triad")!.innerHTML;
+      if (!seen.has(now)) still = 0;
+      seen.add(now);
+    }
+    return seen.size;
+  });
+  if (reducedMotion === "reduce") expect(turned).toBeLessThanOrEqual(2);
+  else expect(turned).toBeGreaterThan(3);
+  const rested = await triad();
+  await settled(page);
+  expect(await triad()).toBe(rested);
+});

@@ -12,8 +12,8 @@ export interface Hands {
   key(event: KeyboardEvent): boolean;
 }
 
-/** The smallest and largest distance as shares of that at home: single precision ends there. */
-const RANGE = [1e-6, 1e6] as const;
+/** The smallest and largest distance as shares of that at home: there single precision ends, and the shape is a dot. */
+const RANGE = [1e-6, 1e3] as const;
 /** A pointer that moved fewer pixels than this is a press, not a drag. */
 const STILL = 5;
 /** Pixels for a press of an arrow key. */
@@ -21,7 +21,7 @@ const STEP = 25;
 /** What a turn keeps of its speed in a millisecond after it was let go, and the speed in pixels a millisecond at which it ends. */
 const INERTIA = { keeps: 0.995, ends: 0.02 };
 /** A pointer that rested so long before it was let go does not go on, in milliseconds. */
-const RESTED = 60;
+const RESTED = 100;
 
 /** The views by number, in degrees. */
 export const SIDES = {
