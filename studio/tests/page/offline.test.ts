@@ -7,6 +7,7 @@ import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
 import { bench } from "../../src/workbench/document";
 import { pack } from "../../src/workbench/share";
 import { DIST, Site, digits, isLong, settled } from "./site";
+import { panel } from "./workbench_page";
 
 /** The time for one step of the command: the tests' module is half as fast as that of the pages. */
 const WORK_MS = 50_000;
@@ -80,14 +81,17 @@ test.each(BENCHES)("%s works without a network: it proves, renders, and writes f
   try {
     await open(address);
     expect(await digits(page, "bound")).toBe(proved);
-    // Modules that are loaded on demand are available, too: the editor, the viewer, the archive.
+    // Modules that are loaded on demand are available, too: the editor, the viewer, what measures, the archive.
     await page.locator(".cm-content").waitFor();
     await page.waitForSelector('.scene[data-viewer="webgl"]');
+    await page.waitForSelector("html[data-solid]");
+    await panel(page, "beside");
     await page.locator(".field-picture").waitFor();
     await page.locator(".budget input[type=text]").fill("2%");
     await page.keyboard.press("Enter");
     await settled(page);
     expect(await digits(page, "bound")).toBeGreaterThan(proved);
+    await panel(page, "export");
     const [download] = await Promise.all([page.waitForEvent("download"), page.locator("[data-export=tiles]").click()]);
     expect(download.suggestedFilename()).toBe("ball-tiles.zip");
     expect(await page.locator("p.fault, .note").allTextContents()).toEqual([]);
