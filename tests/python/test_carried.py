@@ -42,3 +42,16 @@ def test_no_source_leaves_it_out_of_the_file_and_of_its_report(tmp_path: Path) -
     levels = tmp_path / "levels.glb"
     chordal.load(script).lod(rel=0.01, no_source=True).export(levels)
     assert carried(levels) == []
+
+
+def test_lib3mf_reads_such_a_file_without_a_warning_and_keeps_the_script(tmp_path: Path) -> None:
+    lib3mf = pytest.importorskip("lib3mf")
+    script, out, kept = tmp_path / "plate.star", tmp_path / "plate.3mf", tmp_path / "kept.3mf"
+    script.write_text(PLATE)
+    chordal.load(script).mesh(rel=0.01).export(out)
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.ReadFromFile(str(out))
+    assert reader.GetWarningCount() == 0
+    model.QueryWriter("3mf").WriteToFile(str(kept))
+    assert carried(kept)[0]["text"] == PLATE
