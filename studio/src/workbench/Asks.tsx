@@ -2,7 +2,7 @@
 // drawing, and the level of a volume's surface.
 import { useRef } from "preact/hooks";
 import { Slider } from "../view/parts";
-import { isDrawing, isScript, isVolume, split, without } from "./document";
+import { isDrawing, isScript, isVolume, split, textOf, withText, without } from "./document";
 import { PANEL_TEXTS } from "./panel_texts";
 import type { Page } from "./words";
 
@@ -43,6 +43,16 @@ export function withOption(options: string, name: string, value: string | null):
   return all.map((word) => (/\s/.test(word) ? `"${word}"` : word)).join(" ");
 }
 
+/** A call of `text` whose only argument without a name is the text, up to the end of that. */
+const TEXT_CALL = /\btext\(\s*("[^"]*"|'[^']*')(?=\s*[,)])/;
+
+/** The script with a font as the second argument of the call of `text` in a line. */
+export function withFont(script: string, line: number, font: string): string {
+  const lines = script.split("\n");
+  lines[line - 1] = (lines[line - 1] ?? "").replace(TEXT_CALL, (call) => `${call}, ${JSON.stringify(font)}`);
+  return lines.join("\n");
+}
+
 /** A file that the script reads and that is not here. */
 function FileAsk({ page }: { page: Page }) {
   const { state, control, language } = page;
@@ -57,16 +67,15 @@ function FileAsk({ page }: { page: Page }) {
   const add = async (file: File | undefined) => {
     if (!file) return;
     const name = missing ?? file.name;
-    control?.put({ ...bench, files: { ...bench.files, [name]: new Uint8Array(await file.arrayBuffer()) } });
+    const added = { ...bench, files: { ...bench.files, [name]: new Uint8Array(await file.arrayBuffer()) } };
+    control?.put(missing ? added : withText(added, withFont(textOf(bench), fault.line ?? 1, name)));
   };
   return (
     <div class="ask" role="group" aria-label={words.ask}>
       <p>{missing ? words.askFile(missing) : words.askFontArgument}</p>
-      {missing && (
-        <button type="button" data-ask="file" onClick={() => picker.current?.click()}>
-          {isFont ? words.chooseFont : words.chooseFile}
-        </button>
-      )}
+      <button type="button" data-ask="file" onClick={() => picker.current?.click()}>
+        {isFont ? words.chooseFont : words.chooseFile}
+      </button>
       <input
         ref={picker}
         type="file"

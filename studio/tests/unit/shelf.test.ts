@@ -1,6 +1,6 @@
 // The shelf: kept, named, deleted and restored; refused and full storage; and what the panels ask for.
 import { describe, expect, test } from "vitest";
-import { optionOf, withOption } from "../../src/workbench/Asks";
+import { optionOf, withFont, withOption } from "../../src/workbench/Asks";
 import { bench, withText } from "../../src/workbench/document";
 import { MOST, Shelf, type Store, cleaned } from "../../src/workbench/shelf";
 
@@ -89,6 +89,13 @@ describe("a storage", () => {
       expect(shelf(store).state.scripts, text).toEqual([]);
     }
   });
+});
+
+test("a font is named in the call of text in a line, and nowhere else", () => {
+  const script = 'a = text("A")\nb = text("Hi, all", tolerance=0.1)\n';
+  expect(withFont(script, 2, "my font.ttf")).toBe('a = text("A")\nb = text("Hi, all", "my font.ttf", tolerance=0.1)\n');
+  expect(withFont(script, 1, "f.ttf")).toContain('a = text("A", "f.ttf")\n');
+  expect(withFont("box(1)", 3, "f.ttf")).toContain("box(1)");
 });
 
 test("options are read, set and removed in the text of all of them", () => {
