@@ -23,6 +23,19 @@ const ARCH: [f64; 4] = [0.0, 1.5, 1.5, 0.0];
 /// Answers `{"first": [[x, y] × 4], "second": …, "keep": "C1", "scale": 1.0}`: the second curve as a
 /// continuation of the first, their join, their combs, and a picture of the stripes.
 pub(super) fn joins(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    let (mut answer, curves) = joined(request)?;
+    let stripes = answer.rows(&stripes(curves)?);
+    answer.facts["stripes"] =
+        json!({ "width": PICTURE.width_px, "height": PICTURE.height_px, "grey": stripes });
+    Ok(answer)
+}
+
+/// The same without the picture, and so without all that draws it.
+pub(super) fn without_stripes(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    Ok(joined(request)?.0)
+}
+
+fn joined(request: &ExhibitRequest) -> Result<(ExhibitAnswer, [Bezier<2>; 2]), String> {
     request.only(&["first", "second", "keep", "scale"])?;
     let [first, second] = [cubic(request, "first")?, cubic(request, "second")?];
     let keep = match request.word("keep", &["C0", "C1", "C2"])? {
@@ -38,10 +51,7 @@ pub(super) fn joins(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         let tooth_json = |tooth: &Tooth| json!({ "on_curve": tooth.on_curve, "tip": tooth.tip, "curvature": tooth.curvature });
         curvature_comb(&curve.into(), TEETH, scale).iter().flatten().map(tooth_json).collect()
     };
-    let mut answer = ExhibitAnswer::default();
-    let stripes = stripes([first, second])?;
-    let stripes = answer.rows(&stripes);
-    answer.facts = json!({
+    let facts = json!({
         "second": second.control,
         "class": join_facts.parametric,
         "geometric": join_facts.geometric,
@@ -49,9 +59,8 @@ pub(super) fn joins(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         "curvatures": join_facts.curvatures,
         "curvature_gap": join_facts.curvature_gap,
         "combs": [comb(first), comb(second)],
-        "stripes": { "width": PICTURE.width_px, "height": PICTURE.height_px, "grey": stripes },
     });
-    Ok(answer)
+    Ok((ExhibitAnswer::new(facts), [first, second]))
 }
 
 fn cubic(request: &ExhibitRequest, key: &str) -> Result<Bezier<2>, String> {

@@ -26,7 +26,7 @@ fn answer_of(name: &str) -> Result<Answer, String> {
         "quad" => quad::quad,
         "normals" => normals::normals,
         "culling" => culling::culling,
-        "joins" => joins::joins,
+        "joins" => joins::without_stripes,
         "field" => field::field,
         "overshade" => overshade::overshade,
         _ => return Err(format!("asked: there is no question about the exhibit '{name}'")),
