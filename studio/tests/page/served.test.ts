@@ -88,7 +88,8 @@ test("the page's module and the command give the same points, bit for bit", asyn
   rmSync(folder, { recursive: true });
 });
 
-test("all pages together weigh less than five megabytes, compressed, without the command", () => {
+// The wheel contains them, beside twice as much, and has at most 20 MB: modules that share much are to be one.
+test("all pages together weigh less than seven megabytes, compressed, without the command", () => {
   const entries = readdirSync(DIST, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
   // Only the workbench loads the command.
   const files = entries.filter(({ name }) => !/^command-.*\.wasm$/.test(name));
@@ -96,7 +97,7 @@ test("all pages together weigh less than five megabytes, compressed, without the
   const weight = (path: string) => gzipSync(readFileSync(path), { level: 9 }).length;
   const all = files.reduce((sum, entry) => sum + weight(join(entry.parentPath, entry.name)), 0);
   console.log(`all pages: ${files.length} files, ${Math.round(all / 1000)} kB compressed`);
-  expect(all).toBeLessThan(5_000_000);
+  expect(all).toBeLessThan(7_000_000);
 });
 
 test("the page asks no other host for anything", () => {
