@@ -122,8 +122,9 @@ const worded = (english: string): string =>
     .replace("which `inspect --self-intersections` shows afterwards", "which a search for self-intersections shows afterwards")
     .replace(/which `mend --weld=[^`]+` joins/, "which welding joins");
 
-/** The options for welding over a distance that a sentence names: only the reader can decide on that repair. */
-export const joining = (sentences: readonly Sentence[]): readonly string[] =>
+/** The options for welding over a distance that a sentence names: only the reader can decide on that repair. A report of an
+ * older command has no sentences. */
+export const joining = (sentences: readonly Sentence[] = []): readonly string[] =>
   sentences.flatMap(({ code, values }) => (code === "nearly-joined" && values?.["within"] ? [`--weld=${values["within"]}`] : []));
 
 const spoken = (language: Language, english: string, chinese: string | undefined): Spoken => {
@@ -132,13 +133,13 @@ const spoken = (language: Language, english: string, chinese: string | undefined
 };
 
 /** The meaning of a finding. If any of its sentences is unknown, it stays English as a whole. */
-export function meaningIn(language: Language, { means, sentences }: { means: string; sentences: readonly Sentence[] }): Spoken {
+export function meaningIn(language: Language, { means, sentences = [] }: { means: string; sentences?: readonly Sentence[] }): Spoken {
   const all = sentences.map(said);
   return spoken(language, worded(means), all.length === 0 || all.includes(undefined) ? undefined : all.join(""));
 }
 
 /** The advice on a finding. */
-export function adviceIn(language: Language, { of, advice, advice_code: code }: { of: string; advice: string | null; advice_code: string | null }): Spoken | null {
+export function adviceIn(language: Language, { of, advice, advice_code: code = null }: { of: string; advice: string | null; advice_code?: string | null }): Spoken | null {
   if (advice === null) return null;
   return spoken(language, worded(advice), code === null ? undefined : (ADVICE[code] ?? (code === of ? LOOK : undefined)));
 }

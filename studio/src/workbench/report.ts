@@ -54,10 +54,10 @@ export interface FindingFacts {
   weight: "fault" | "remark";
   words: string;
   means: string;
-  sentences: readonly Sentence[];
+  sentences?: readonly Sentence[];
   cures: readonly string[];
   advice: string | null;
-  advice_code: string | null;
+  advice_code?: string | null;
 }
 
 export interface Inspection {
