@@ -3,6 +3,7 @@ import { Awake } from "../exhibits/Scene";
 import type { AnyExhibit } from "../exhibits/exhibit";
 import type { Change } from "../exhibits/run";
 import { type Language, Say } from "../exhibits/say";
+import { Hint } from "../view/Hint";
 import { Figure as Data, Scope } from "../view/parts";
 
 export interface BenchProps {
@@ -28,7 +29,7 @@ export function Bench({ id, exhibit, state, answer, language, isStill, isAwake, 
         <div class="stage">
           <exhibit.Figure page={page} />
           <p class="aside hint" id={`${id}-hint`}>
-            {texts.hint}
+            <Hint text={texts.hint} />
           </p>
         </div>
         <div class="panel" {...(isStill ? { inert: true } : {})}>
