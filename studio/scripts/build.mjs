@@ -112,9 +112,9 @@ await rm(cache, { recursive: true });
 // What a page looks like where somebody links to it: a picture that the command draws, and the page's own title and
 // description. A preview needs whole addresses, so CHORDAL_PAGE_URL says where the pages will be; without it they are relative.
 const command = await WebAssembly.compile(await readFile(join(root, "wasm/command.wasm")));
-const teapot = { "teapot.bpt": await readFile(join(root, "../examples/teapot.bpt")) };
+const shape = { "teapot.bpt": await readFile(join(root, "../examples/teapot.bpt")) };
 for (const [file, size] of [["preview.png", "800x420"], ["icon.png", "180x180"]]) {
-  const { exit, stderr, outputs } = await run(command, ["render", "teapot.bpt", "--size", size, "-o", file], teapot);
+  const { exit, stderr, outputs } = await run(command, ["render", "teapot.bpt", "--size", size, "-o", file], shape);
   if (exit !== 0) throw new Error(`the command cannot draw ${file}: ${stderr}`);
   await writeFile(join(out, file), outputs[file]);
 }

@@ -104,11 +104,9 @@ fn second_differences(patch: &Patch) -> [f64; 3] {
     let length = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     let mut most = [0.0; 3];
     let mut raise = |which: usize, v: [f64; 3]| most[which] = chordal::math::greater(length(v), most[which]);
-    for i in 0..4 {
-        for j in 0..2 {
-            raise(0, std::array::from_fn(|k| 6.0 * (c[i][j][k] - 2.0 * c[i][j + 1][k] + c[i][j + 2][k])));
-            raise(2, std::array::from_fn(|k| 6.0 * (c[j][i][k] - 2.0 * c[j + 1][i][k] + c[j + 2][i][k])));
-        }
+    for (i, j) in (0..4).flat_map(|i| (0..2).map(move |j| (i, j))) {
+        raise(0, std::array::from_fn(|k| 6.0 * (c[i][j][k] - 2.0 * c[i][j + 1][k] + c[i][j + 2][k])));
+        raise(2, std::array::from_fn(|k| 6.0 * (c[j][i][k] - 2.0 * c[j + 1][i][k] + c[j + 2][i][k])));
     }
     for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
         let twist = |k: usize| c[i][j][k] - c[i + 1][j][k] - c[i][j + 1][k] + c[i + 1][j + 1][k];
