@@ -141,6 +141,7 @@ fn weights_of_joints_are_blended_where_vertices_go() {
         files: Vec::new(),
         warnings: Vec::new(),
         composed: None,
+        source: None,
     };
     let spec = BudgetSpec { length: Some("0.01".parse().expect("a length")), ..BudgetSpec::default() };
     let made = mesh(input, &spec, Format::Glb, &Job::default()).expect("simplified");
@@ -184,6 +185,7 @@ fn white_stays_white() {
         files: Vec::new(),
         warnings: Vec::new(),
         composed: None,
+        source: None,
     };
     let made = lod(input, &spec(), &Job::default()).expect("levels");
     made.write(Format::Glb, &mut Vec::new()).expect("written");

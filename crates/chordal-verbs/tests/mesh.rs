@@ -36,6 +36,7 @@ fn input(shape: Shape) -> Input {
         files: Vec::new(),
         warnings: Vec::new(),
         composed: None,
+        source: None,
     }
 }
 
