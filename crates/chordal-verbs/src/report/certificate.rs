@@ -149,6 +149,7 @@ impl Certificate {
     }
 
     /// Adds the scripts of another operand, so that the file carries them as well.
+    #[cfg(feature = "booleans")]
     pub(crate) fn add_sources_of(&mut self, input: &Input) {
         for source in InputOrigin::from_input(input).sources {
             if !self.origin.sources.contains(&source) {
