@@ -18,10 +18,12 @@ if (!source) throw new Error("link.mjs needs the compiled library, an archive or
 /** What every module exports. */
 const ALWAYS = ["alloc", "free", "exit", "bytes", "bytes_len", "report", "report_len", "error", "error_len", "release"];
 const WIDGET = ["study", "ladder", "seam"];
+/** What is asked only while pages are written: the lesson's table. */
+const WRITTEN = ["rivals"];
 const exhibits = (ids) => ids.map((id) => `exhibit_${id}`);
 const modules = {
   "chordal.wasm": WIDGET,
-  "exhibits.wasm": [...WIDGET, ...exhibits(Object.values(exhibitsOf).flat())],
+  "exhibits.wasm": [...WIDGET, ...exhibits([...Object.values(exhibitsOf).flat(), ...WRITTEN])],
   ...Object.fromEntries(Object.entries(exhibitsOf).map(([name, ids]) => [`exhibits/${name}.wasm`, exhibits(ids)])),
 };
 

@@ -4,14 +4,15 @@ import { fileURLToPath } from "node:url";
 import { expect, test } from "vitest";
 import { EXHIBITS } from "../../src/exhibits/index";
 import { ExhibitCores, moduleOf } from "../../src/exhibits/modules";
+import { OWN_FIGURES } from "../../src/lesson/outline";
 import table from "../../src/exhibits/modules.json";
 
 const read = (file: string) => readFileSync(fileURLToPath(new URL(`../../wasm/${file}.wasm`, import.meta.url)));
 const whole = read("exhibits");
 
-test("every exhibit is in one module", () => {
+test("every exhibit, and every figure of the lesson alone, is in one module", () => {
   const listed = Object.values(table).flat();
-  expect(listed.toSorted()).toEqual(EXHIBITS.map(({ id }) => id).toSorted());
+  expect(listed.toSorted()).toEqual([...EXHIBITS.map(({ id }) => id), ...OWN_FIGURES].toSorted());
 });
 
 test("a module exports its exhibits", async () => {
