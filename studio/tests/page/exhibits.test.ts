@@ -169,7 +169,8 @@ test("the list of exhibits has a figure and a link for each, and works without s
     for (const { id, title } of EXHIBITS) {
       const card = stillPage.locator(`.cards a[href="${fileOf(id, language)}"]`);
       expect(await card.locator("h3").textContent()).toContain(title[language]);
-      expect(await card.locator("svg path").count()).toBeGreaterThan(3);
+      // What looks alike is one path.
+      expect(await card.locator("svg path").count()).toBeGreaterThan(2);
     }
     const { page } = await pages.site.visit(fileOf("exhibits", language));
     expect(await axeFindings(page)).toEqual([]);
