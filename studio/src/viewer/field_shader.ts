@@ -171,7 +171,8 @@ void main() {
   vec3 paint = side > 0.0 ? front : rear;
   vec3 lit = cut;
   if (!isFlat) {
-    vec3 gradient = field_dual(p).xyz;
+    // Within, where the value is not zero: a length has no gradient at zero, and rounding makes many hits exactly that.
+    vec3 gradient = field_dual(isBracket ? eye + inner * d : p).xyz;
     float size = length(gradient);
     vec3 n = size > 0.0 ? side * gradient / size : -d;
     // Rounding may turn a normal of the outline away from the eye.
