@@ -28,7 +28,7 @@ const cache = join(root, "node_modules/.prerender");
 const { Core, still } = await prerender("src/prerender.tsx", "widget");
 const { onwardFromWidget, written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
 
-const { lessons } = await prerender("src/lesson/prerender.tsx", "lesson");
+const { lessons, lighter } = await prerender("src/lesson/prerender.tsx", "lesson");
 const { workbenches, run } = await prerender("src/workbench/prerender.tsx", "workbench");
 
 /** Replaces a text that must occur exactly once. */
@@ -85,6 +85,12 @@ const exhibitsCore = await Core.load(await readFile(join(root, "wasm/exhibits.wa
 const exhibits = await written(exhibitsCore);
 for (const page of exhibits) {
   const { file, id } = page;
+  if (!id) {
+    // The list has a still of each: heavy ones are files that load when they come near.
+    const { html, files } = lighter(page.body);
+    page.body = html;
+    for (const { file, bytes } of files) await writeFile(join(out, file), bytes);
+  }
   const html = await filled(replaceOnce(template, 'data-exhibit=""', `data-exhibit="${id}"`, "the exhibit"), page, modulesOf(id));
   // The list of exhibits has nothing interactive.
   await writeFile(join(out, file), id ? html : html.replace(SCRIPT, ""));

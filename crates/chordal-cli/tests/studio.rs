@@ -217,14 +217,14 @@ fn a_missing_page_is_one_sentence() {
 
 #[test]
 fn files_are_opened_on_the_workbench_by_number() {
-    let files: [(&str, &[u8]); 2] = [("a b&c.star", b"sphere(1)"), ("x.bin", &[0, 255, 10])];
-    let home = "/workbench.html?open=a%20b%26c.star&open=x.bin";
+    let files: [(&str, &[u8]); 2] = [("a b&c.star", b"sphere(1)"), ("x.dat", &[0, 255, 10])];
+    let home = "/workbench.html?open=a%20b%26c.star&open=x.dat";
     let studio = Studio::start_with("studio-opened", &files, home);
     let cookie = studio.enter();
     let got = |path: &str| studio.ask(&format!("GET {path} HTTP/1.1"), &[&cookie]);
     assert!(got("/opened/0").ends_with("\r\n\r\nsphere(1)"));
     assert_eq!(header(&got("/opened/1"), "content-type"), Some("application/octet-stream"));
-    for path in ["/opened/2", "/opened/a%20b%26c.star", "/x.bin", "/opened/../x.bin"] {
+    for path in ["/opened/2", "/opened/a%20b%26c.star", "/x.dat", "/opened/../x.dat"] {
         assert_eq!(status(&got(path)), 404, "{path}");
     }
     // Without the cookie there is nothing.

@@ -55,7 +55,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag both balls and the point. Arrow keys move them: Shift for small steps, Page Up and Page Down for large ones.",
+    hint: "Drag both balls and the point.{keys} Arrow keys move them, with Shift by small steps; Page Up and Page Down by large ones.",
     figure: "Two balls and their blend, with lines of equal value; the dashed line is the sharp union",
     balls: ["Ball A", "Ball B"],
     probe: "The point that is asked about",
@@ -84,7 +84,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动两个球和这个点。方向键也能移动：加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    hint: "拖动两个球和这个点。{keys}方向键也能移动，加 Shift 走小步，Page Up 和 Page Down 走大步。",
     figure: "两个球及其融合，画出了等值线；虚线是不融合的并集",
     balls: ["球 A", "球 B"],
     probe: "要问的点",

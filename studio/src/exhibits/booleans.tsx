@@ -32,7 +32,8 @@ interface Answer {
   closed: boolean;
   triangles: number;
   textbook: number;
-  field: number;
+  /** `null` until it is shown. */
+  field: number | null;
   volume: number;
   close: number;
 }
@@ -244,7 +245,7 @@ function Panel({ page }: { page: Page }) {
             <dt>{texts[name]}</dt>
             <dd>
               <Data name={name} value={answer[name]}>
-                {say.whole(answer[name])}
+                {answer[name] === null ? "—" : say.whole(answer[name])}
               </Data>
             </dd>
           </div>

@@ -55,7 +55,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag a corner: it moves in the plane of the picture. Keys: Tab to a corner, arrows move it, Page Up and Page Down away from you and back. " + FRAME.en.turn,
+    hint: `Drag a corner: it moves in the plane of the picture. ${FRAME.en.turn}{keys} Tab to a corner, arrows move it, Page Up and Page Down away from you and back.`,
     figure: "A triangle in space, two of its edges as arrows, and their cross product",
     corner: (name) => `Corner ${name}`,
     at: (x, y, z) => `x ${x}, y ${y}, z ${z}`,
@@ -82,7 +82,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动顶点，它在画面所在的平面内移动。键盘：按 Tab 选中顶点，方向键移动，Page Up 和 Page Down 推远、拉近。" + FRAME.zh.turn,
+    hint: `拖动顶点，它在画面所在的平面内移动。${FRAME.zh.turn}{keys}按 Tab 选中顶点，方向键移动，Page Up 和 Page Down 推远、拉近。`,
     figure: "空间中的三角形，两条边画成箭头，另有它们的叉积",
     corner: (name) => `顶点 ${name}`,
     at: (x, y, z) => `x ${x}，y ${y}，z ${z}`,

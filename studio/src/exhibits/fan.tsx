@@ -103,7 +103,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Press a dashed line to cut along it, and a cut to undo it. Drag the corners. With the keyboard: Tab to a corner and use the arrow keys; the cuts are buttons, too.",
+    hint: "Press a dashed line to cut along it, and a cut to undo it. Drag the corners.{keys} Tab to a corner and use the arrow keys; the cuts are buttons, too.",
     figure: "A polygon with its diagonals; corners can be moved, diagonals can be cut",
     corner: (name) => `Corner ${name}`,
     at: (x, y) => `x ${x}, y ${y}`,
@@ -149,7 +149,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "点虚线就沿它剖开，点实线则取消。顶点可以拖动。键盘：按 Tab 选中顶点，再按方向键；每条对角线另有按钮。",
+    hint: "点虚线就沿它剖开，点实线则取消。顶点可以拖动。{keys}按 Tab 选中顶点，再按方向键；每条对角线另有按钮。",
     figure: "多边形及其对角线；顶点可以移动，对角线可以剖开",
     corner: (name) => `顶点 ${name}`,
     at: (x, y) => `x ${x}，y ${y}`,

@@ -84,7 +84,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag any of the sixteen points, and the surface follows. Keys: Tab to a point, arrows move it in the picture, Page Up and Page Down away from you and back. " + FRAME.en.turn,
+    hint: `Drag any of the sixteen points, and the surface follows. ${FRAME.en.turn}{keys} Tab to a point, arrows move it in the picture, Page Up and Page Down away from you and back.`,
     figure: "A curved patch with a net of sixteen control points",
     control: (name) => `Control point ${name}`,
     at: (x, y, z) => `x ${x}, y ${y}, z ${z}`,
@@ -116,7 +116,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "十六个点都可以拖，曲面随之变形。键盘：按 Tab 选点，方向键在画面内移动，Page Up 和 Page Down 推远、拉近。" + FRAME.zh.turn,
+    hint: `十六个点都可以拖，曲面随之变形。${FRAME.zh.turn}{keys}按 Tab 选点，方向键在画面内移动，Page Up 和 Page Down 推远、拉近。`,
     figure: "一片曲面和由十六个控制点组成的控制网",
     control: (name) => `控制点 ${name}`,
     at: (x, y, z) => `x ${x}，y ${y}，z ${z}`,
@@ -320,7 +320,7 @@ function Panel({ page }: { page: Page }) {
                     key={row}
                     type="button"
                     aria-pressed={row === state.chosen}
-                    aria-label={`${texts.weightOf(nameOf(row))}: ${say.fixed(answer.weights[row]!, 3)}`}
+                    aria-label={`${texts.weightOf(nameOf(row))}: ${say.fixed(answer.weights[row]!, 2)}`}
                     onClick={() => set({ chosen: row })}
                   >
                     {say.fixed(answer.weights[row]!, 2)}

@@ -88,7 +88,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag a corner, or the square from pixel to pixel. With the keyboard: Tab to one of them, then the arrow keys.",
+    hint: "Drag a corner, or the square from pixel to pixel.{keys} Tab to one of them, then the arrow keys.",
     figure: "A grid of pixels with triangles over it; corners and a chosen pixel can be moved",
     corner: (name) => `Corner ${name}`,
     chosenPixel: "The chosen pixel",
@@ -129,7 +129,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动顶点，或把方框从一个像素拖到另一个。键盘：按 Tab 选中，再按方向键移动。",
+    hint: "拖动顶点，或把方框从一个像素拖到另一个。{keys}按 Tab 选中，再按方向键移动。",
     figure: "像素网格上的三角形；顶点和选中的像素都能移动",
     corner: (name) => `顶点 ${name}`,
     chosenPixel: "选中的像素",

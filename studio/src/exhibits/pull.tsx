@@ -59,7 +59,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag a corner of the cage. Press the small square on an edge to crease it. Keys: Tab, then arrows, Page Up and Page Down for corners, the space bar for edges. " + FRAME.en.turn,
+    hint: `Drag a corner of the cage. Press the small square on an edge to crease it. ${FRAME.en.turn}{keys} Tab, then arrows, Page Up and Page Down for corners, the space bar for edges.`,
     figure: "A cube of control points and the smooth surface in it",
     corner: (name) => `Corner ${name}`,
     edge: (name) => `Crease at edge ${name}`,
@@ -85,7 +85,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动控制网格的顶点；点边上的小方块，设置或取消折痕。键盘：按 Tab 选中，顶点用方向键和 Page Up、Page Down 移动，边用空格键切换。" + FRAME.zh.turn,
+    hint: `拖动控制网格的顶点；点边上的小方块，设置或取消折痕。${FRAME.zh.turn}{keys}按 Tab 选中，顶点用方向键和 Page Up、Page Down 移动，边用空格键切换。`,
     figure: "立方体控制网格，以及它里面的光滑曲面",
     corner: (name) => `顶点 ${name}`,
     edge: (name) => `边 ${name} 的折痕`,

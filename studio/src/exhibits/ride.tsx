@@ -84,7 +84,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the points of the path. Press Play to ride, or move the time. With the keyboard: Tab to a point, then the arrow keys.",
+    hint: "Drag the points of the path. Press Play to ride, or move the time.{keys} Tab to a point, then the arrow keys.",
     figure: "The path from above, with the camera, its velocity and its acceleration; points can be moved",
     ridden: "The picture from the camera, with a hanging weight",
     point: (n) => `Point ${n} of the path`,
@@ -116,7 +116,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "拖动路径上的点。点“播放”上路，或拖动时间。键盘：按 Tab 选点，再按方向键移动。",
+    hint: "拖动路径上的点。点“播放”上路，或拖动时间。{keys}按 Tab 选点，再按方向键移动。",
     figure: "俯视的路径、相机、速度和加速度；点可以移动",
     ridden: "相机看到的画面，画面里悬着一个重物",
     point: (n) => `路径的第 ${n} 个点`,

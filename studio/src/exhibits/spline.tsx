@@ -67,7 +67,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Press an empty place to add a point, drag points to move them. Keys: Tab to a point, then the arrow keys; the buttons add and remove points.",
+    hint: "Press an empty place to add a point, drag points to move them.{keys} Tab to a point, then the arrow keys; the buttons add and remove points.",
     figure: "A curve through points that can be added and moved",
     add: "Add a point here",
     point: (n) => `Point ${n}`,
@@ -101,7 +101,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "点空白处添加一个点，拖动可移动。键盘：按 Tab 选点，再按方向键；增减点另有按钮。",
+    hint: "点空白处添加一个点，拖动可移动。{keys}按 Tab 选点，再按方向键；增减点另有按钮。",
     figure: "穿过若干点的曲线；点可以添加和移动",
     add: "在此添加一个点",
     point: (n) => `第 ${n} 个点`,

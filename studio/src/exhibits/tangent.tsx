@@ -78,7 +78,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the corners in the texture or in space. With the keyboard: Tab to a corner, then the arrow keys. " + FRAME.en.turn,
+    hint: `Drag the corners in the texture or in space. ${FRAME.en.turn}{keys} Tab to a corner, then the arrow keys.`,
     figure: "A textured triangle in space with its tangent, bitangent and normal",
     texture: "The texture, and the triangle in it",
     corner: (name) => `Corner ${name} in space`,
@@ -109,7 +109,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: "在纹理中或空间中拖动顶点。键盘：按 Tab 选中顶点，再按方向键移动。" + FRAME.zh.turn,
+    hint: `在纹理中或空间中拖动顶点。${FRAME.zh.turn}{keys}按 Tab 选中顶点，再按方向键移动。`,
     figure: "空间中带纹理的三角形，以及切线、副切线和法线",
     texture: "纹理，以及三角形在其中的位置",
     corner: (name) => `空间中的顶点 ${name}`,

@@ -68,4 +68,4 @@ export async function lessons(core: Core): Promise<Lessons> {
   return { pages, teapot, stills: files };
 }
 
-export { Core } from "../core/module";
+export { lighter } from "./stills";

@@ -5,6 +5,8 @@ import { gzipSync } from "node:zlib";
 import base from "../style/base.css?raw";
 import fields from "../exhibits/fields.css?raw";
 import figures from "../exhibits/figures.css?raw";
+import hands from "../exhibits/hands.css?raw";
+import handsOfFields from "../exhibits/hands_fields.css?raw";
 import stage from "../exhibits/stage.css?raw";
 
 /** Compressed bytes from which a still is a file. Chosen: a page of forty figures stays below 150 kB. */
@@ -23,7 +25,7 @@ export function lighter(html: string): { html: string; files: StillFile[] } {
     const [, viewBox, width, height] = /viewBox="(0 0 (\d+) (\d+))"/.exec(svg)!;
     const content = svg.slice(svg.indexOf(">") + 1, -"</svg>".length);
     const classes = new Set([...svg.matchAll(/class="([^"]*)"/g)].flatMap(([, names]) => names!.split(" ")));
-    const style = [base, stage, figures, fields].map((css) => rules(css, classes)).join("");
+    const style = [base, stage, figures, fields, hands, handsOfFields].map((css) => rules(css, classes)).join("");
     const whole = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="${viewBox}"><style>${style}</style><g class="scene flat">${content}</g></svg>`;
     const bytes = new TextEncoder().encode(whole);
     const file = `assets/still-${createHash("sha256").update(bytes).digest("hex").slice(0, 8)}.svg`;

@@ -55,7 +55,8 @@ test.each(pages)("%s asks for little before its first picture, and until it is l
     if (await page.locator(".scene").count()) await page.waitForSelector(".scene[data-viewer]");
     const files = [...loaded].filter((name) => existsSync(join(DIST, name)));
     const counted = hasOwnModules ? files : files.filter((name) => !name.endsWith(".wasm"));
-    expect(files.some((name) => name.endsWith(".wasm"))).toBe(true);
+    // The lesson's first picture asks no module.
+    expect(files.some((name) => name.endsWith(".wasm"))).toBe(!file.startsWith("lesson"));
     expect(weight(counted), `until it is live: ${counted.join(", ")}`).toBeLessThan(limitOf(file));
     console.log(`${file}: ${Math.round(weight(counted) / 1000)} kB until it is live`);
   }

@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     fn at(distance: f64, px: f64) -> serde_json::Value {
-        let question = json!({ "exhibit": "mountain", "distance": distance, "px": px, "spot": [560, 600] });
+        let question = json!({ "exhibit": "mountain", "distance": distance, "px": px, "spot": [517, 637] });
         mountain(&ExhibitRequest::parse(question.to_string().as_bytes()).unwrap().1).unwrap().facts
     }
 

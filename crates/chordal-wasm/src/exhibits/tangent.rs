@@ -168,7 +168,8 @@ mod tests {
         );
         let mirrored = facts_of([[1.0, 0.0], [0.0, 0.0], [1.0, 1.0]]);
         assert_eq!((&mirrored["tangent"], &mirrored["sign"]), (&json!([-1.0, 0.0, 0.0]), &json!(-1.0)));
-        assert_eq!(mirrored["bitangent"], json!([0.0, 1.0, 0.0]));
+        let bitangent: Vec<f64> = serde_json::from_value(mirrored["bitangent"].clone()).unwrap();
+        assert_eq!(bitangent, [0.0, 1.0, 0.0]);
         assert_eq!(facts_of([[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]])["is_mapped"], json!(false));
     }
 
