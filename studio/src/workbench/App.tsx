@@ -23,7 +23,7 @@ import { Steps } from "./Steps";
 import { Beside, type Covered, Stage } from "./Stage";
 import { gridStep } from "./stage/ground";
 import { unitOf } from "./stage/unit";
-import { Touching } from "./Touching";
+import { Touching, touches } from "./Touching";
 import { type Language, TEXTS } from "./texts";
 import { facesOf, siteAt } from "./trace/faces";
 import type { CallSite } from "./trace/shadow";
@@ -86,6 +86,11 @@ export function App({ language, state, control }: Props) {
   useEffect(() => {
     if (findings?.length && !layout.layout.right && !isPhone()) layout.toggle("findings");
   }, [findings]);
+  // Parts that only touch are said in the panel of the certificate.
+  const hasContacts = shown?.bench === bench && !shown.isDraft && touches(shown.certificate);
+  useEffect(() => {
+    if (hasContacts && !layout.layout.right && !isPhone()) layout.toggle("certificate");
+  }, [hasContacts]);
   const names: readonly PanelName[] = ["input", "certificate", ...(findings ? (["findings"] as const) : []), "beside", "change", "export"];
   const isOpen = (name: PanelName) => names.includes(name) && layout.isOpen(name);
   const isRightOpen = names.some((name) => name !== "input" && isOpen(name));

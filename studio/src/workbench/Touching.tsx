@@ -2,21 +2,26 @@
 import type { Vec3 } from "../viewer";
 import { PANEL_TEXTS } from "./panel_texts";
 import { towards } from "./pixels";
+import type { Certificate } from "./report";
 import type { Page } from "./words";
 
 /** A coordinate that is tiny beside the others is the rounding of the search, and shown as 0. */
 const ROUNDING = 1e-6;
 const rounded = (x: number, at: Vec3): number => (Math.abs(x) < ROUNDING * Math.max(...at.map(Math.abs)) ? 0 : x);
 
+const contactsOf = ({ bound }: Certificate) => (bound?.open?.largest ?? []).flatMap(({ contact }) => (contact ? [contact] : []));
+
+/** Whether some parts only touch. */
+export const touches = (certificate: Certificate): boolean => contactsOf(certificate).length > 0 || (certificate.valid?.non_manifold_edges ?? 0) > 0;
+
 export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
   const { say, state, control, language } = page;
   const words = PANEL_TEXTS[language];
   const { shown } = state;
   if (!shown || shown.isDraft || shown.bench !== state.bench) return null;
-  const { bound, valid } = shown.certificate;
-  const contacts = (bound?.open?.largest ?? []).flatMap(({ contact }) => (contact ? [contact] : []));
-  const n = valid?.non_manifold_edges ?? 0;
-  if (!contacts.length && !n) return null;
+  const contacts = contactsOf(shown.certificate);
+  const n = shown.certificate.valid?.non_manifold_edges ?? 0;
+  if (!touches(shown.certificate)) return null;
   const go = (at: Vec3) => {
     const place = control!.place(at);
     mark([place]);

@@ -6,7 +6,7 @@ import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, describe, expect, test, vi } from "vitest";
 import { run } from "../../src/workbench/command";
 import { Site, digits, settled } from "./site";
-import { PATIENCE, Workbenches, commandModule, faults, line, small, text, write } from "./workbench_page";
+import { PATIENCE, Workbenches, commandModule, faults, line, panel, small, text, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
 
@@ -102,6 +102,7 @@ describe("the shelf", () => {
 describe("an export", () => {
   test("is the mesh that was proved, in every format, named after the script, and a failure is a sentence", async () => {
     const { page } = await pages.open(await small("box(2, 2, 1) - cylinder(0.5, 2)"));
+    await panel(page, "export");
     const glb = await saved(page, () => page.locator("[data-export=glb]").click());
     expect(glb.name).toBe("bracket.glb");
     const files: Record<string, Uint8Array> = { "bracket.glb": glb.bytes };
