@@ -17,7 +17,7 @@ test("adaptive: every cause that is left out costs triangles, and the eye can be
   const counts = [await pages.number("adaptive")];
   expect(await digits(page, "outline")).toBeLessThanOrEqual(4);
   for (const cut of ["outline", "near", "bends"]) {
-    await page.locator(`input[name=${cut}]`).uncheck();
+    await page.locator(`input[name=${cut}]`).uncheck({ force: true });
     counts.push(await pages.number("adaptive"));
   }
   expect(counts).toEqual([...counts].sort((a, b) => a - b));
@@ -25,7 +25,7 @@ test("adaptive: every cause that is left out costs triangles, and the eye can be
   // The table has what has been tried from this eye.
   const shown = await page.locator(".panel dl dd").allTextContents();
   expect(shown.slice(0, 4).map((text) => Number(text.replace(/,/g, "")))).toEqual([...counts].reverse());
-  for (const cut of ["bends", "near", "outline"]) await page.locator(`input[name=${cut}]`).check();
+  for (const cut of ["bends", "near", "outline"]) await page.locator(`input[name=${cut}]`).check({ force: true });
   const before = (await pages.state("adaptive"))["view"];
   await drag(page, page.locator(".aside-scene .grip"), 40, 10);
   await pages.number("adaptive");
@@ -126,9 +126,9 @@ test("blend: the value is a lower bound outside, and the distance if there is no
   const share = await pages.number("blend");
   expect(share).toBeLessThan(0.99);
   expect(await digits(page, "value")).toBeLessThanOrEqual(await digits(page, "min"));
+  const pieces = await digits(page, "pieces");
   await page.locator("#width").fill("0");
   expect(await pages.number("blend")).toBeCloseTo(1, 2);
-  const pieces = await digits(page, "pieces");
   await page.evaluate(() => (location.hash = "#v=1&a=3,4&b=9.5,4&n=0"));
   await pages.number("blend");
   expect(await digits(page, "pieces")).toBe(pieces + 1);
