@@ -47,7 +47,7 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the four points, or choose them with Tab and move them with the arrow keys.",
+    hint: "Drag the four points.{keys} Tab to one of them, then the arrow keys.",
     figure: "A curve with its four control points, and straight segments along it",
     handle: "Segments",
     segments: (n) => `${n} segments`,
@@ -62,7 +62,7 @@ const texts: Record<Language, Texts> = {
     attempts: [],
   },
   zh: {
-    hint: "拖动四个控制点；或用 Tab 键选中，再用方向键移动。",
+    hint: "拖动四个控制点。{keys}按 Tab 选中，再按方向键移动。",
     figure: "一条曲线、它的四个控制点，以及沿曲线的折线",
     handle: "线段数",
     segments: (n) => `${n} 条线段`,
