@@ -30,7 +30,8 @@ fn below(folder: &Path, path: &str) -> Result<PathBuf, String> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let resolved = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));
     // WASI cannot resolve paths, and its host gives the module one folder, in which the page makes no links.
-    if folder.canonicalize().is_err_and(|error| error.kind() == ErrorKind::Unsupported) {
+    let is_unsupported = |error: std::io::Error| error.kind() == ErrorKind::Unsupported;
+    if cfg!(target_os = "wasi") || folder.canonicalize().is_err_and(is_unsupported) {
         let is_plain = Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
         return if is_plain {
             Ok(folder.join(path))
