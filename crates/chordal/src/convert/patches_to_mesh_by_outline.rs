@@ -145,7 +145,7 @@ mod tests {
             for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (f64::from(i), f64::from(j)))) {
                 let whole = &bump()[0];
                 let part = whole.part([i / 8.0, (i + 1.0) / 8.0], [j / 8.0, (j + 1.0) / 8.0]);
-                if !outline.is_clear(&part) {
+                if !outline.is_clear(&part, 0.0) {
                     continue;
                 }
                 n_clear += 1;

@@ -30,23 +30,26 @@ pub(crate) struct OutlineAllowance {
 impl OutlineAllowance {
     /// Whether no normal of the part is at a right angle to the line of sight, so that no point of it is on the outline.
     /// The normal is a combination, with weights that are not negative, of the cross products of the differences of
-    /// control points along u with those along v.
-    pub(crate) fn is_clear(&self, part: &Patch) -> bool {
+    /// control points along u with those along v. The control points may be off by `slip`, the rounding of the part.
+    pub(crate) fn is_clear(&self, part: &Patch, slip: f64) -> bool {
         let point = |i: usize, j: usize| DVec3::from(part.control[i][j]);
         let bounds = part.bounds();
         let centre = DVec3::from(bounds.centre());
         let sight = DVec3::from(self.eye) - centre;
         // Every point of the part is within its box.
-        let radius = 0.5 * (DVec3::from(bounds.max) - DVec3::from(bounds.min)).length();
+        let radius = 0.5 * (DVec3::from(bounds.max) - DVec3::from(bounds.min)).length() + 2.0 * slip;
         let (mut front, mut back) = (true, true);
         for i in 0..4 {
             for j in 0..3 {
                 let first = point(i, j + 1) - point(i, j);
                 for (k, l) in (0..3).flat_map(|k| (0..4).map(move |l| (k, l))) {
-                    let normal = first.cross(point(k + 1, l) - point(k, l));
+                    let second = point(k + 1, l) - point(k, l);
+                    let normal = first.cross(second);
                     let toward = normal.dot(sight);
-                    // Some hundred roundings, relative to the two lengths.
-                    let least = normal.length() * (radius + 256.0 * f64::EPSILON * sight.length());
+                    // A difference is off by two slips, which the product multiplies by the other difference. Twice that
+                    // contains the roundings here: a slip is 4096 of those of a coordinate.
+                    let off = 4.0 * slip * (first.length() + second.length() + 2.0 * slip);
+                    let least = normal.length() * radius + off * (sight.length() + radius);
                     front &= toward >= least;
                     back &= -toward >= least;
                 }
@@ -74,10 +77,12 @@ impl Allowance {
     }
 
     /// The length that is allowed for a part.
-    pub(crate) fn over(&self, part: &Patch) -> Option<f64> {
+    pub(crate) fn over(&self, part: &Patch, slip: f64) -> Option<f64> {
         let length = self.at(&part.bounds())?;
         match &self.outline {
-            Some(outline) if outline.is_clear(part) => Some(greater(length, outline.elsewhere * length)),
+            Some(outline) if outline.is_clear(part, slip) => {
+                Some(greater(length, outline.elsewhere * length))
+            }
             _ => Some(length),
         }
     }

@@ -337,7 +337,7 @@ impl CertifiedTiles<'_> {
         for (tile, done) in &self.tiles {
             let subpatch = &self.subpatches[tile.subpatch as usize];
             let SubpatchShape::Bezier(patch) = &subpatch.shape else { continue };
-            if outline.is_clear(&subpatch.tile_patch(patch, tile)) {
+            if outline.is_clear(&subpatch.tile_patch(patch, tile), subpatch.rounding_error()) {
                 continue;
             }
             length = greater(done.bound, length);

@@ -105,7 +105,7 @@ pub(crate) fn part_tolerance(
     allowance: &Allowance,
     rounding: f64,
 ) -> Result<f64, InfeasibleTolerance> {
-    less_rounding(allowance.over(part), part.bounds(), rounding)
+    less_rounding(allowance.over(part, rounding), part.bounds(), rounding)
 }
 
 fn less_rounding(allowed: Option<f64>, place: Box3, rounding: f64) -> Result<f64, InfeasibleTolerance> {
@@ -136,7 +136,7 @@ pub(crate) fn split_into_tiles(
     let mut open = vec![TileCandidate::new(patch, subpatch.u, subpatch.v, allowance, rounding)?];
     while let Some(rectangle) = open.pop() {
         let by_estimate = rectangle.better_half().or_else(|| rectangle.longer_half());
-        if let Some(half) = by_estimate.or_else(|| rectangle.half_beside_outline(allowance)) {
+        if let Some(half) = by_estimate.or_else(|| rectangle.half_beside_outline(allowance, rounding)) {
             let halves = rectangle.halve(half, allowance, rounding)?;
             // Estimates that are noise may not fall; without this test halving would then go on to the narrowest
             // tiles everywhere.
@@ -223,12 +223,12 @@ impl TileCandidate {
     }
 
     /// The direction with more cells, if the outline may cross the rectangle: one of the halves may be clear of it.
-    fn half_beside_outline(&self, allowance: &Allowance) -> Option<ParameterAxis> {
+    fn half_beside_outline(&self, allowance: &Allowance, rounding: f64) -> Option<ParameterAxis> {
         let outline = allowance.outline.as_ref()?;
         let [n, m] = self.estimate.each_way();
         let (half, span) = if n >= m { (ParameterAxis::U, self.u) } else { (ParameterAxis::V, self.v) };
         let is_large = self.estimate.cells > FEWEST_CELLS_TO_HALVE && is_broad(span);
-        (is_large && !outline.is_clear(&self.part)).then_some(half)
+        (is_large && !outline.is_clear(&self.part, rounding)).then_some(half)
     }
 
     /// The second half, then the first, which is examined next.
