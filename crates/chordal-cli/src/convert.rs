@@ -77,13 +77,18 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     // clap requires one of the two.
     let output = args.output.as_ref().or(args.output_option.as_ref());
     let output = output.ok_or_else(|| Fault::usage("no output was given: name a file"))?;
-    if args.options.to.is_none() && is_shader(output) {
-        return run_shader(args, output);
-    }
     let output_args = OutputArgs { output: output.clone(), force: args.force, threads: args.threads };
     let run_args = RunArgs { input: &args.input, output: &output_args, console: &args.console };
-    if args.options.to.is_none() && extension(&output.to_string_lossy()) == Some("star") {
-        return carried::write_script(VerbRun::start("convert", run_args)?);
+    // Texts that are no format of a shape: they cannot be asked for by --to, or read back as what was written.
+    let ending = extension(&output.to_string_lossy()).unwrap_or_default().to_ascii_lowercase();
+    match &*ending {
+        "glsl" if args.options.to.is_none() => {
+            return run_shader(args, output, VerbRun::start("convert", run_args)?);
+        }
+        "star" if args.options.to.is_none() => {
+            return carried::write_script(VerbRun::start("convert", run_args)?);
+        }
+        _ => {}
     }
     let to = writable_format(output, args.options.to)?;
     let mut run = VerbRun::start("convert", run_args)?;
@@ -120,19 +125,11 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     run.report(outcome.certificate, (target.name(), bytes), summary_text)
 }
 
-/// Whether the name is that of a text of GLSL, which is no format of a shape: it cannot be read back.
-fn is_shader(output: &Path) -> bool {
-    extension(&output.display().to_string()).is_some_and(|name| name.eq_ignore_ascii_case("glsl"))
-}
-
 /// Writes a field as functions for a graphics processor, named after the file.
-fn run_shader(args: &ConvertArgs, output: &Path) -> Result<(), Fault> {
+fn run_shader(args: &ConvertArgs, output: &Path, mut run: VerbRun<'_>) -> Result<(), Fault> {
     if args.options.length.is_some() {
         return Err(Fault::usage("--tol is for drawings written as svg: a field is written as it is"));
     }
-    let output_args = OutputArgs { output: output.to_owned(), force: args.force, threads: args.threads };
-    let run_args = RunArgs { input: &args.input, output: &output_args, console: &args.console };
-    let mut run = VerbRun::start("convert", run_args)?;
     let target = run.target()?;
     let input = run.read()?;
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();

@@ -31,7 +31,7 @@ pub fn field_shader(input: &Input, name: &str) -> Result<ShaderOutcome, MeshFail
     certificate.verb = VerbFacts::Converted {};
     let known = shader.slope_evidence.as_str();
     certificate.notes.push(
-        format!("a value takes {} terms; its slope is at most {:.4}, {known}", shader.n_terms, shader.slope)
+        format!("a value takes {} terms; its slope is at most {}, {known}", shader.n_terms, shader.slope)
             .into(),
     );
     Ok(ShaderOutcome { shader, certificate })
