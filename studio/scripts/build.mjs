@@ -73,13 +73,13 @@ for (const [file, language] of Object.entries(widgets)) {
 
 const template = await readFile(join(out, "exhibit.html"), "utf8");
 const escaped = (text) => text.replace(/&/g, "&amp;").replace(/"/g, "&quot;").replace(/</g, "&lt;");
-/** A template filled with a page that was written, which loads these modules, in one language or in both. */
-async function filled(template, { file, lang, title, description, body }, modules, hasOther = true) {
+/** A template filled with a page that was written, which loads these modules. */
+async function filled(template, { file, lang, title, description, body }, modules) {
   let html = replaceOnce(template, '<html lang="en"', `<html lang="${lang}"`, "the language");
   html = replaceOnce(html, "<title>Chordal</title>", `<title>${escaped(title)}</title>`, "the title");
   html = replaceOnce(html, 'name="description" content=""', `name="description" content="${escaped(description)}"`, "the description");
   html = await withModules(replaceOnce(html, PLACEHOLDER, body, "the text"), modules);
-  return hasOther ? withAlternates(html, inBothLanguages(file)) : html;
+  return withAlternates(html, inBothLanguages(file));
 }
 const exhibitsCore = await Core.load(await readFile(join(root, "wasm/exhibits.wasm")));
 const exhibits = await written(exhibitsCore);
@@ -100,13 +100,7 @@ for (const page of workbenches()) await writeFile(join(out, page.file), await fi
 const lessonTemplate = await readFile(join(out, "lesson.html"), "utf8");
 const { pages, teapot, stills } = await lessons(exhibitsCore);
 const lessonModules = Object.keys(exhibitsOf).map((name) => `exhibits/${name}.wasm`);
-const hasBoth = pages.length === 2;
-for (const page of pages) {
-  const html = await filled(lessonTemplate, page, lessonModules, hasBoth);
-  // The start page of readers of either language.
-  const script = '<meta name="color-scheme"';
-  await writeFile(join(out, page.file), hasBoth ? replaceOnce(html, script, `<script src="./language.js"></script>\n    ${script}`, "the language") : html);
-}
+for (const page of pages) await writeFile(join(out, page.file), await filled(lessonTemplate, page, lessonModules));
 for (const { file, bytes } of [teapot, ...stills]) await writeFile(join(out, file), bytes);
 // The script that switches languages needs the ids of all exhibits.
 const ids = [...new Set(exhibits.map(({ id }) => id).filter(Boolean))];

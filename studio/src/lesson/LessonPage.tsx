@@ -16,7 +16,6 @@ import {
   blocksOf,
   type GuessId,
   type GuessPlan,
-  isPlaced,
   QUESTIONS,
   SECTIONS,
   TERMS,
@@ -38,8 +37,6 @@ export interface LessonProps {
   code: ReadonlyMap<string, string>;
   /** The file of the first picture. */
   teapot: string;
-  /** Whether there is a page in the other language. */
-  hasBoth: boolean;
 }
 
 const nothing = () => undefined;
@@ -69,7 +66,7 @@ export function LessonPage(props: LessonProps) {
         </nav>
         <div class="wishes-of-page">
           {/* Named in the address, because lesson.html takes readers to the language that their browser prefers. */}
-          {props.hasBoth && <Languages language={language} file={(other) => `${fileOf("lesson", other)}#l=${other}`} />}
+          <Languages language={language} file={(other) => `${fileOf("lesson", other)}#l=${other}`} />
           <Themes language={language} />
         </div>
       </header>
@@ -203,9 +200,8 @@ type BlockProps = LessonProps & { plan: BlockPlan; block: BlockText; guess: Gues
 
 function Block(props: BlockProps) {
   const { plan, block, guess, text, facts, code, language } = props;
-  const isShown = isPlaced(plan.figure);
   return (
-    <article class={isShown ? "block with-figure" : "block"} id={`block-${plan.id}`}>
+    <article class={plan.figure ? "block with-figure" : "block"} id={`block-${plan.id}`}>
       <div class="words">
         <h3>{block.title}</h3>
         {block.text}
@@ -214,7 +210,7 @@ function Block(props: BlockProps) {
         {plan.table && text.table(facts, new Say(language))}
         {plan.code && <Code name={plan.code} code={code} words={text.words} />}
       </div>
-      {isShown && <PlacedFigure {...props} figure={plan.figure!} />}
+      {plan.figure && <PlacedFigure {...props} figure={plan.figure} />}
     </article>
   );
 }

@@ -1,7 +1,7 @@
 // The figures of the lesson: the exhibits, and those that have no page of their own.
 import type { AnyExhibit } from "../exhibits/exhibit";
 import { EXHIBITS } from "../exhibits/index";
-import { isPlaced, type OWN_FIGURES } from "./outline";
+import type { OWN_FIGURES } from "./outline";
 
 const OWN: Record<(typeof OWN_FIGURES)[number], () => Promise<{ default: AnyExhibit }>> = {
   segments: () => import("./segments"),
@@ -14,4 +14,4 @@ export async function loaded(id: string): Promise<AnyExhibit> {
 }
 
 /** Whether a figure has a page of its own. */
-export const hasPage = (id: string) => isPlaced(id) && EXHIBITS.some((entry) => entry.id === id);
+export const hasPage = (id: string) => EXHIBITS.some((entry) => entry.id === id);

@@ -4,4 +4,4 @@ import { EN } from "./en";
 import type { LessonText } from "./lesson";
 import { ZH } from "./zh";
 
-export const LESSONS: Partial<Record<Language, LessonText>> = { en: EN, zh: ZH };
+export const LESSONS: Record<Language, LessonText> = { en: EN, zh: ZH };

@@ -1,6 +1,5 @@
 // The lesson's structure, which both languages share: sections, the blocks in them, their figures with a first state, guesses,
 // code, terms and questions. The texts of a language are in en.tsx and zh.tsx; a test holds that they fill every place.
-import { EXHIBITS } from "../exhibits/index";
 import type { Facts } from "./facts";
 
 /** A prediction before the reveal. */
@@ -11,7 +10,7 @@ export type GuessPlan =
 
 export interface BlockPlan {
   id: string;
-  /** An exhibit's id, or that of a figure of the lesson. One that does not exist yet is not placed, and the text stands alone. */
+  /** An exhibit's id, or that of a figure of the lesson. Without one the text stands alone. */
   figure?: string;
   /** What differs from the exhibit's own initial state. */
   state?: Record<string, unknown>;
@@ -131,10 +130,6 @@ export type GuessId = Extract<Block, { guess: unknown }>["id"];
 /** The blocks of a section, with their optional parts. */
 export const blocksOf = (section: Section): readonly BlockPlan[] => section.blocks;
 export const BLOCKS: readonly BlockPlan[] = SECTIONS.flatMap((section) => blocksOf(section));
-
-/** Whether there is such a figure. */
-export const isPlaced = (figure: string | undefined): figure is string =>
-  figure !== undefined && (EXHIBITS.some(({ id }) => id === figure) || (OWN_FIGURES as readonly string[]).includes(figure));
 
 /** The words of the field, in the order of their first use. */
 export const TERMS = [

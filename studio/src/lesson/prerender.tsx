@@ -9,7 +9,7 @@ import { answerOf, type Ask, factsOf } from "./facts";
 import { loaded } from "./figures";
 import { LessonPage, type Still } from "./LessonPage";
 import { LESSONS } from "./languages";
-import { BLOCKS, isPlaced } from "./outline";
+import { BLOCKS } from "./outline";
 import { lighter, type StillFile } from "./stills";
 import { packed } from "./teapot_levels";
 
@@ -23,13 +23,13 @@ interface Lessons {
   stills: StillFile[];
 }
 
-/** The lesson in every language in which it is written. */
+/** The lesson in both languages. */
 export async function lessons(core: Core): Promise<Lessons> {
   const ask: Ask = (question) => core.ask("exhibit", question);
   const facts = await factsOf(ask);
   const stills = new Map<string, Still>();
   for (const { figure, state } of BLOCKS) {
-    if (!isPlaced(figure)) continue;
+    if (!figure) continue;
     const exhibit = await loaded(figure);
     stills.set(figure, { exhibit, state: { ...(exhibit.defaults as object), ...state }, answer: await answerOf(ask, figure, state) });
   }
@@ -47,7 +47,6 @@ export async function lessons(core: Core): Promise<Lessons> {
         stills={stills}
         code={code}
         teapot={teapot.file}
-        hasBoth={Object.keys(LESSONS).length === 2}
       />,
     );
     // The first picture stays in the page.

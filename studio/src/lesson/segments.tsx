@@ -133,7 +133,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.segments(String(state.count))}
         low={COUNTS[0]}
         high={COUNTS[1]}
-        step={1}
         value={state.count}
         choose={(count) => set({ count })}
       />

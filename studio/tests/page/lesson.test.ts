@@ -8,12 +8,12 @@ import { gzipSync } from "node:zlib";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import { LESSONS } from "../../src/lesson/languages";
-import { BLOCKS, isPlaced, QUESTIONS } from "../../src/lesson/outline";
+import { BLOCKS, QUESTIONS } from "../../src/lesson/outline";
 import { patient } from "./exhibit_page";
 import { digits, DIST, Site, type Visit } from "./site";
 
 const FILE = "lesson.html";
-const FIGURES = BLOCKS.flatMap(({ figure }) => (isPlaced(figure) ? figure : []));
+const FIGURES = BLOCKS.flatMap(({ figure }) => figure ?? []);
 const GUESSED = BLOCKS.filter(({ guess }) => guess);
 let site: Site;
 beforeAll(async () => {
