@@ -279,10 +279,8 @@ function Panel({ page }: { page: Page }) {
         id="px"
         label={texts.budget}
         shown={texts.pixels(say.number(px(state)))}
-        spoken={texts.pixels(say.number(px(state)))}
         low={0}
         high={STOPS.length - 1}
-        step={1}
         value={state.stop}
         choose={(stop) => set({ stop })}
       />

@@ -190,7 +190,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.across(state.cells)}
         low={FEWEST}
         high={MOST}
-        step={1}
         value={state.cells}
         choose={(cells) => set({ cells })}
       />

@@ -180,7 +180,7 @@ function Panel({ page }: { page: Page }) {
   const known = (what: string) => texts.known[what] ?? what;
   return (
     <>
-      <Slider id="width" label={texts.width} shown={width} spoken={width} low={0} high={MOST} step={1} value={state.width} choose={(width) => set({ width })} />
+      <Slider id="width" label={texts.width} shown={width} low={0} high={MOST} value={state.width} choose={(width) => set({ width })} />
       <dl>
         {rows.map(([name, label, value]) => (
           <div key={name}>

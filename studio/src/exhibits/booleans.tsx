@@ -216,10 +216,8 @@ function Panel({ page }: { page: Page }) {
         id="tip"
         label={texts.tip}
         shown={shown}
-        spoken={shown}
         low={0}
         high={TIPS.length - 1}
-        step={1}
         value={state.tip}
         choose={(tip) => set({ tip })}
       />
@@ -227,10 +225,8 @@ function Panel({ page }: { page: Page }) {
         id="tilt"
         label={texts.tilt}
         shown={tilt}
-        spoken={tilt}
         low={0}
         high={TILTS.length - 1}
-        step={1}
         value={state.tilt}
         choose={(tilt) => set({ tilt })}
       />

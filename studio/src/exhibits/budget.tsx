@@ -300,7 +300,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.within(say.number(answer.length))}
         low={0}
         high={LAST}
-        step={1}
         value={state.step}
         choose={(step) => set({ step })}
       />

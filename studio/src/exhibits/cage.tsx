@@ -193,7 +193,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.spoken(state.level, say.whole(answer.faces))}
         low={LEVELS[0]}
         high={LEVELS[1]}
-        step={1}
         value={state.level}
         choose={(level) => set({ level })}
       />

@@ -186,7 +186,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.spoken(state.right)}
         low={COUNTS[0]}
         high={COUNTS[1]}
-        step={1}
         value={state.right}
         choose={(right) => set({ right })}
       />

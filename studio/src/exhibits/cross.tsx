@@ -1,6 +1,7 @@
 // The cross product of two edges of a triangle: its direction is the normal, half its length the area.
 import { Choice, Figure as Data } from "../view/parts";
 import { type Picture, type Vec3, type View, eyeOf } from "../viewer";
+import { CornerLabels } from "./CornerLabels";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { points, view, word } from "./fragment";
 import { FRAME } from "./frame_texts";
@@ -166,16 +167,7 @@ function Figure({ page }: { page: Page }) {
       isStill={isStill}
       over={(at) => (
         <>
-          {state.corners.map((corner, i) => {
-            const [x, y] = at.to(corner);
-            const [mx, my] = at.to(middle);
-            const far = Math.hypot(x - mx, y - my) || 1;
-            return (
-              <text key={i} class="label" x={x + (28 * (x - mx)) / far} y={y + (26 * (y - my)) / far + 6}>
-                {names[i]}
-              </text>
-            );
-          })}
+          <CornerLabels at={at} corners={state.corners} middle={middle} names={names} />
           {answer.product && <Tip at={at.to(plus(state.corners[0]!, answer.product))} />}
           {state.corners.map((place, i) => (
             <Knob

@@ -203,7 +203,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.along(state.cells)}
         low={FEWEST}
         high={MOST}
-        step={1}
         value={state.cells}
         choose={(cells) => set({ cells })}
       />

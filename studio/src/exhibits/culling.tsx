@@ -258,7 +258,6 @@ function Panel({ page }: { page: Page }) {
           spoken={texts.triangle(state.chosen, is)}
           low={0}
           high={TRIANGLES - 1}
-          step={1}
           value={state.chosen}
           choose={(chosen) => set({ chosen })}
         />

@@ -237,7 +237,6 @@ function Panel({ page }: { page: Page }) {
         spoken={`${say.number(STOPS[state.stop]!)}, ${texts.edges(String(mesh.edges))}`}
         low={0}
         high={STOPS.length - 1}
-        step={1}
         value={state.stop}
         choose={(stop) => set({ stop })}
       />

@@ -222,7 +222,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.finer(say.whole(answer.triangles))}
         low={0}
         high={STOPS.length - 1}
-        step={1}
         value={state.stop}
         choose={(stop) => set({ stop })}
       />

@@ -265,10 +265,8 @@ function Panel({ page }: { page: Page }) {
         id="distance"
         label={texts.handle}
         shown={metres(say, distance)}
-        spoken={metres(say, distance)}
         low={0}
         high={STOPS.length - 1}
-        step={1}
         value={state.stop}
         choose={(stop) => set({ stop })}
       />

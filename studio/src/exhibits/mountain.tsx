@@ -260,10 +260,8 @@ function Panel({ page }: { page: Page }) {
         id="distance"
         label={texts.eye}
         shown={far}
-        spoken={far}
         low={0}
         high={DISTANCES.length - 1}
-        step={1}
         value={state.distance}
         choose={(distance) => set({ distance })}
       />
@@ -271,10 +269,8 @@ function Panel({ page }: { page: Page }) {
         id="budget"
         label={texts.budget}
         shown={budget}
-        spoken={budget}
         low={0}
         high={BUDGETS.length - 1}
-        step={1}
         value={state.budget}
         choose={(budget) => set({ budget })}
       />

@@ -231,7 +231,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.along(state.cells)}
         low={FEWEST}
         high={MOST}
-        step={1}
         value={state.cells}
         choose={(cells) => set({ cells })}
       />
@@ -239,10 +238,8 @@ function Panel({ page }: { page: Page }) {
         id="threshold"
         label={texts.threshold}
         shown={say.fixed(threshold)}
-        spoken={say.fixed(threshold)}
         low={2}
         high={98}
-        step={1}
         value={state.threshold}
         choose={(threshold) => set({ threshold })}
       />

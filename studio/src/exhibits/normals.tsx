@@ -187,10 +187,8 @@ function Panel({ page }: { page: Page }) {
           id="crease"
           label={texts.handle}
           shown={say.degrees(state.crease)}
-          spoken={say.degrees(state.crease)}
           low={0}
           high={180}
-          step={1}
           value={state.crease}
           choose={(crease) => set({ crease })}
         />

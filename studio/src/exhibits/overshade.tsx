@@ -199,10 +199,8 @@ function Panel({ page }: { page: Page }) {
         id="side"
         label={texts.side}
         shown={texts.pixels(say.number(side))}
-        spoken={texts.pixels(say.number(side))}
         low={0}
         high={STOPS.length - 1}
-        step={1}
         value={state.stop}
         choose={(stop) => set({ stop })}
       />

@@ -278,7 +278,6 @@ function Panel({ page }: { page: Page }) {
       id={id}
       label={texts[id]}
       shown={say.fixed(state[id])}
-      spoken={say.fixed(state[id])}
       low={0}
       high={1}
       step={0.01}
@@ -345,10 +344,8 @@ function Panel({ page }: { page: Page }) {
           id="pixels"
           label={texts.budget}
           shown={texts.pixels(say.number(state.pixels))}
-          spoken={texts.pixels(say.number(state.pixels))}
           low={0}
           high={PIXELS.length - 1}
-          step={1}
           value={Math.max(PIXELS.findIndex((pixels) => pixels >= state.pixels), 0)}
           choose={(i) => set({ pixels: PIXELS[i]! })}
         />

@@ -251,7 +251,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.frame(state.frame)}
         low={0}
         high={LAST}
-        step={1}
         value={state.frame}
         choose={(frame) => set({ frame })}
       />

@@ -179,7 +179,6 @@ function LatticePanel({ page, answer }: { page: Page; answer: LatticeAnswer }) {
         spoken={texts.along(state.cells)}
         low={FEWEST}
         high={MOST}
-        step={1}
         value={state.cells}
         choose={(cells) => set({ cells })}
       />

@@ -2,6 +2,7 @@
 import { Figure as Data } from "../view/parts";
 import { type Picture, type Vec3, type View } from "../viewer";
 import { plus } from "../viewer/view";
+import { CornerLabels } from "./CornerLabels";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { points, view } from "./fragment";
 import { FRAME } from "./frame_texts";
@@ -192,16 +193,7 @@ function Figure({ page }: { page: Page }) {
       isStill={isStill}
       over={(at) => (
         <>
-          {state.corners.map((corner, i) => {
-            const [x, y] = at.to(corner);
-            const [mx, my] = at.to(middle);
-            const far = Math.hypot(x - mx, y - my) || 1;
-            return (
-              <text key={i} class="label" x={x + (26 * (x - mx)) / far} y={y + (26 * (y - my)) / far + 6}>
-                {NAMES[i]}
-              </text>
-            );
-          })}
+          <CornerLabels at={at} corners={state.corners} middle={middle} names={NAMES} />
           {axesOf(page).map(({ id, name, to }) => {
             const [x, y] = at.to(to);
             return (

@@ -248,7 +248,6 @@ function Panel({ page }: { page: Page }) {
         spoken={texts.after(n + 1, say.number(step.value))}
         low={1}
         high={MOST}
-        step={1}
         value={state.shown}
         choose={(shown) => set({ shown })}
       />

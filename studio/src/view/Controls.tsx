@@ -47,7 +47,6 @@ export function Count({ page }: { page: Page }) {
         spoken={say.segments(n)}
         low={0}
         high={STOPS.length - 1}
-        step={1}
         value={stopOf(n)}
         choose={(stop) => to(() => STOPS[stop]!)}
       />

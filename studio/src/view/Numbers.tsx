@@ -33,7 +33,6 @@ export function Numbers({ page, id, points }: Props) {
               id={`${id}-${i}-${axis}`}
               label={say.text(key, { name })}
               shown={say.coordinate(at[axis])}
-              spoken={say.coordinate(at[axis])}
               low={0}
               high={high}
               step={1 / GRID}

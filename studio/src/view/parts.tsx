@@ -44,19 +44,20 @@ export function Choice<V extends string | number>({ name, legend, value, options
   );
 }
 
-interface SliderProps {
+/** What is shown is spoken, unless it is no text or has to be said in other words. */
+type Shown = { shown: string; spoken?: string } | { shown: ComponentChildren; spoken: string };
+
+type SliderProps = Shown & {
   id: string;
   label: string;
-  shown: ComponentChildren;
-  spoken: string;
   low: number;
   high: number;
-  step: number;
+  step?: number;
   value: number;
   choose(value: number): void;
-}
+};
 
-export function Slider({ id: ownId, label, shown, spoken, low, high, step, value, choose }: SliderProps) {
+export function Slider({ id: ownId, label, shown, spoken, low, high, step = 1, value, choose }: SliderProps) {
   const id = useContext(Scope) + ownId;
   return (
     <div class="slider">
@@ -69,7 +70,7 @@ export function Slider({ id: ownId, label, shown, spoken, low, high, step, value
         max={high}
         step={step}
         value={value}
-        aria-valuetext={spoken}
+        aria-valuetext={spoken ?? String(shown)}
         onInput={(event) => choose(Number(event.currentTarget.value))}
       />
     </div>

@@ -28,10 +28,8 @@ export function Levels({ page }: { page: Page }) {
             id="distance"
             label={words.distance}
             shown={say.number(away)}
-            spoken={say.number(away)}
             low={STEPS * Math.log2(home.distance / 4)}
             high={STEPS * Math.log2(Math.max(4 * home.distance, 2 * (levels.facts.at(-1)?.distance ?? 0)))}
-            step={1}
             value={STEPS * Math.log2(view.distance)}
             choose={(value) => control?.look({ ...view, distance: 2 ** (value / STEPS) })}
           />

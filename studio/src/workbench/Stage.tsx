@@ -236,7 +236,6 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
               id="cut"
               label={words.cutAt}
               shown={page.say.percent(cut.share)}
-              spoken={page.say.percent(cut.share)}
               low={0}
               high={1}
               step={0.01}
