@@ -343,7 +343,7 @@ export class Controller {
     // Within the same budget, so that its faces lie on those that are shown.
     const words = keepingBest([...meshLine({ ...current, combine: null }, this.screen, "trace.glb"), "--require", "estimated"]);
     const outcome = await this.run("trace", words, withText(current, text).files, true);
-    const [bytes, certificate] = [outcome?.outputs["trace.glb"], outcome && reportOf(outcome).certificate];
+    const [bytes, certificate] = outcome ? [madeBy(outcome, words)?.["trace.glb"], reportOf(outcome).certificate] : [];
     if (!bytes || !certificate || current !== this.state.bench) return null;
     const parts = await readOrUndefined(async () => partsOf(bytes, certificate.frame));
     const trace = { bench: current, sites, parts: (parts ?? []).map((part) => partToZUp(part, this.upOf(current, certificate.frame.up))) };

@@ -2,7 +2,7 @@
 // follows a drag.
 import type { Files, Outcome } from "./command";
 import { type Bench, type Line, isScript, reading } from "./document";
-import { reportOf } from "./outcome";
+import { madeBy, reportOf } from "./outcome";
 import type { State } from "./state";
 
 /** The code of a refusal: a field that is no expression has no program. */
@@ -32,8 +32,9 @@ export class FieldSource {
         this.newest = current;
         // A script with a mistake keeps the picture of the last one that worked; another file does not.
         if (field && field.bench.name !== current.name) owner.update({ field: null });
-        const outcome = isScript(current) ? await owner.run(["convert", ...reading(current), OUTPUT], current.files) : null;
-        const bytes = outcome?.outputs[OUTPUT];
+        const line = ["convert", ...reading(current), OUTPUT];
+        const outcome = isScript(current) ? await owner.run(line, current.files) : null;
+        const bytes = outcome && madeBy(outcome, line)?.[OUTPUT];
         if (bytes) owner.update({ field: { bench: current, source: new TextDecoder().decode(bytes) } });
         else if (outcome && reportOf(outcome).error?.code === UNSUPPORTED) owner.update({ field: null });
       }
