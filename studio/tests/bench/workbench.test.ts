@@ -7,6 +7,7 @@ import { gzipSync } from "node:zlib";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, test, vi } from "vitest";
 import { ROOT, Site, settled } from "../page/site";
+import { example } from "../page/workbench_page";
 import { dragCost } from "./drag_cost";
 
 vi.setConfig({ testTimeout: 600_000 });
@@ -73,7 +74,7 @@ test("the first mesh and its proof, with an empty cache", async () => {
 test.each(["bracket", "gear", "vase", "badge"] as const)("a dragged number in the example %s", async (name) => {
   const { page } = await site.ready("workbench.html", { prepare: keepTimes });
   await page.locator(".cm-content").waitFor();
-  await page.locator(".inputs select").selectOption(name);
+  await example(page, name);
   await settled(page);
   const number = page.locator(".cm-number").first();
   const [drafts, proofs]: [number[], number[]] = [[], []];

@@ -4,7 +4,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
 import { Site, isLong, settled } from "./site";
-import { PATIENCE, Workbenches } from "./workbench_page";
+import { PATIENCE, Workbenches, example } from "./workbench_page";
 
 /** The time limit for the largest file. */
 const LARGE_MS = 600_000;
@@ -60,7 +60,7 @@ test.each(isLong ? [[1000, 20], [2000, 1000]] : [[1000, 20]])("2 times %i times 
   if (!(await said(refused))) expect(await said(".findings")).toContain("3 boundary edges");
   expect(await said(refused)).toMatch(around * across < 1e6 ? /^$/ : /^$|memory/);
   // The mesh of so many triangles takes minutes; the page must accept other input meanwhile.
-  await page.locator(".inputs select").selectOption("bracket");
+  await example(page, "bracket");
   await page.locator(".cm-content").waitFor();
   await settled(page);
   expect(await page.locator(".certificate .proved").count()).toBe(1);

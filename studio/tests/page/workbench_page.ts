@@ -94,3 +94,10 @@ export async function write(page: Page, text: string): Promise<void> {
   await page.keyboard.press("Control+a");
   await page.keyboard.insertText(text);
 }
+
+/** Puts an example on the bench, from the shelf. */
+export async function example(page: Page, name: string): Promise<void> {
+  await panel(page, "input");
+  await page.locator("[data-shelf=open]").click();
+  await page.locator(`[data-example="${name}"]`).click();
+}
