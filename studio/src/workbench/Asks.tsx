@@ -2,14 +2,11 @@
 // drawing, and the level of a volume's surface.
 import { useRef } from "preact/hooks";
 import { Slider } from "../view/parts";
-import { isDrawing, isScript, isVolume, split, textOf, withText, without } from "./document";
+import { isDrawing, isVolume, split, without } from "./document";
+import { lackOf, supplied } from "./lack";
 import { PANEL_TEXTS } from "./panel_texts";
 import type { Page } from "./words";
 
-/** A file that the command did not find, as its message names it. */
-const MISSING = /'([^']+)' cannot be used: no such file or directory/;
-/** A text that is set without a font. */
-const NO_FONT = /`font` for call to `text`|text\(\) needs 'font'/;
 const FONTS = ".ttf,.otf,.ttc";
 /** The slider of a level has so many steps. Chosen: one is about a pixel of the slider. */
 const STEPS = 200;
@@ -43,36 +40,20 @@ export function withOption(options: string, name: string, value: string | null):
   return all.map((word) => (/\s/.test(word) ? `"${word}"` : word)).join(" ");
 }
 
-/** A call of `text` whose only argument without a name is the text, up to the end of that. */
-const TEXT_CALL = /\btext\(\s*("[^"]*"|'[^']*')(?=\s*[,)])/;
-
-/** The script with a font as the second argument of the call of `text` in a line. */
-export function withFont(script: string, line: number, font: string): string {
-  const lines = script.split("\n");
-  lines[line - 1] = (lines[line - 1] ?? "").replace(TEXT_CALL, (call) => `${call}, ${JSON.stringify(font)}`);
-  return lines.join("\n");
-}
-
 /** A file that the script reads and that is not here. */
 function FileAsk({ page }: { page: Page }) {
   const { state, control, language } = page;
   const words = PANEL_TEXTS[language];
   const picker = useRef<HTMLInputElement>(null);
-  const { bench, fault } = state;
-  if (!isScript(bench) || !fault) return null;
-  const missing = MISSING.exec(fault.text)?.[1];
-  const needsFont = !missing && NO_FONT.test(fault.text);
-  if (!missing && !needsFont) return null;
-  const isFont = needsFont || /\.(ttf|otf|ttc)$/i.test(missing!);
+  const lack = lackOf(state);
+  if (!lack) return null;
+  const { name, isFont } = lack;
   const add = async (file: File | undefined) => {
-    if (!file) return;
-    const name = missing ?? file.name;
-    const added = { ...bench, files: { ...bench.files, [name]: new Uint8Array(await file.arrayBuffer()) } };
-    control?.put(missing ? added : withText(added, withFont(textOf(bench), fault.line ?? 1, name)));
+    if (file) control?.put(supplied(state.bench, lack, { [file.name]: new Uint8Array(await file.arrayBuffer()) }));
   };
   return (
     <div class="ask" role="group" aria-label={words.ask}>
-      <p>{missing ? words.askFile(missing) : words.askFontArgument}</p>
+      <p>{name === null ? words.askFontArgument : words.askFile(name)}</p>
       <button type="button" data-ask="file" onClick={() => picker.current?.click()}>
         {isFont ? words.chooseFont : words.chooseFile}
       </button>

@@ -28,6 +28,7 @@ import { type Fault, KEEP_BEST, faultOf, madeBy, reportOf, sliceOf } from "./out
 import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
+import { lackOf, suits, supplied } from "./lack";
 import type { Trace } from "./trace/faces";
 import { shadowOf } from "./trace/shadow";
 import { withLeft } from "./progress";
@@ -256,6 +257,8 @@ export class Controller {
       this.update({ notice: "too-large" });
       return false;
     }
+    const { bench: before } = this.state;
+    const lack = lackOf(this.state);
     const number = ++this.openCount;
     const files: Files = {};
     try {
@@ -267,6 +270,10 @@ export class Controller {
     }
     // Other files were opened while these were read; those are shown.
     if (number !== this.openCount) return true;
+    if (lack && before === this.state.bench && suits(lack, Object.keys(files))) {
+      this.put(supplied(before, lack, files));
+      return true;
+    }
     // A file of the same name may be another shape, so nothing of the old one is kept.
     const file = bench(nameOf(main), files);
     const script = await carriedBy(this, file);

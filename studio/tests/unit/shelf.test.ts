@@ -1,7 +1,8 @@
 // The shelf: kept, named, deleted and restored; refused and full storage; and what the panels ask for.
 import { describe, expect, test } from "vitest";
-import { optionOf, withFont, withOption } from "../../src/workbench/Asks";
+import { optionOf, withOption } from "../../src/workbench/Asks";
 import { bench, withText } from "../../src/workbench/document";
+import { lackOf, suits, supplied, withFont } from "../../src/workbench/lack";
 import { MOST, Shelf, type Store, cleaned } from "../../src/workbench/shelf";
 
 const of = (name: string, text: string) => bench(`${name}.star`, { [`${name}.star`]: new TextEncoder().encode(text) });
@@ -96,6 +97,25 @@ test("a font is named in the call of text in a line, and nowhere else", () => {
   expect(withFont(script, 2, "my font.ttf")).toBe('a = text("A")\nb = text("Hi, all", "my font.ttf", tolerance=0.1)\n');
   expect(withFont(script, 1, "f.ttf")).toContain('a = text("A", "f.ttf")\n');
   expect(withFont("box(1)", 3, "f.ttf")).toContain("box(1)");
+});
+
+test("what a script lacks is taken from files that suit it, under the name in the script, and from no others", () => {
+  const script = of("sign", 'a = text("A", "font.ttf", 0.1)\nextrude(a, 2)');
+  const fault = { text: "'font.ttf' cannot be used: no such file or directory", line: 1 };
+  const lack = lackOf({ bench: script, fault })!;
+  const bytes = Uint8Array.of(1, 2);
+  expect(lack).toEqual({ name: "font.ttf", isFont: true, line: 1 });
+  expect(suits(lack, ["DejaVuSans.otf"])).toBe(true);
+  expect(Object.keys(supplied(script, lack, { "DejaVuSans.otf": bytes }).files)).toEqual(["sign.star", "font.ttf"]);
+  expect(supplied(script, lack, { "font.ttf": bytes, "a.svg": bytes }).files).toMatchObject({ "font.ttf": bytes, "a.svg": bytes });
+  for (const others of [["part.stl"], ["other.star"], ["a.ttf", "b.ttf"], []]) expect(suits(lack, others), others.join()).toBe(false);
+  const library = lackOf({ bench: script, fault: { text: "'lib.star' cannot be used: no such file or directory" } })!;
+  expect([suits(library, ["lib.star"]), suits(library, ["part.star"])]).toEqual([true, false]);
+  const unnamed = lackOf({ bench: of("sign", 'text("A")'), fault: { text: "Missing named-only parameter `font` for call to `text`", line: 1 } })!;
+  const named = supplied(of("sign", 'text("A")'), unnamed, { "f.ttf": bytes });
+  expect(new TextDecoder().decode(named.files["sign.star"])).toBe('text("A", "f.ttf")');
+  expect(lackOf({ bench: script, fault: { text: "Variable `a` not found" } })).toBeNull();
+  expect(lackOf({ bench: bench("a.stl", {}), fault })).toBeNull();
 });
 
 test("options are read, set and removed in the text of all of them", () => {
