@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { Choice } from "../view/parts";
 import { Working } from "./Certificate";
 import type { Files } from "./command";
-import { NO_SCREEN, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
+import { NO_SCREEN, isDrawing, meshLine, python, reading, readsFiles, rust, shell, stem } from "./document";
 import { MESH_FORMATS, exportLine, exportMesh } from "./exports";
 import { isBroken } from "./outdated";
 import { FaultSaid } from "./Said";
@@ -99,7 +99,7 @@ export function Exports({ page }: { page: Page }) {
         >
           {isCopied ? words.copied : words.copy}
         </button>
-        <p class="aside">{state.link || state.isWaiting || !control ? words.share : words.noLink}</p>
+        <p class="aside">{!state.link && !state.isWaiting && control ? words.noLink : readsFiles(bench) ? words.shareScript : words.share}</p>
       </div>
     </section>
   );

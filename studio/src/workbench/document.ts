@@ -57,6 +57,9 @@ export const isVolume = ({ name }: Bench): boolean => VOLUME.test(name);
 export const isMesh = ({ name }: Bench): boolean => MESH.test(name);
 export const hasField = ({ name }: Bench): boolean => GRID_OR_FIELD.test(name);
 
+/** A script with files beside it. */
+export const readsFiles = (bench: Bench): boolean => isScript(bench) && Object.keys(bench.files).length > 1;
+
 export const textOf = ({ name, files }: Bench): string => new TextDecoder().decode(files[name]);
 
 export function withText(bench: Bench, text: string): Bench {

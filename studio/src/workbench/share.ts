@@ -1,6 +1,6 @@
 // The bench as a compressed link in the address: a script or another small file with its values, options and budget. A larger
-// bench, or one of several files, has no link.
-import { BUDGET, type Bench, type BudgetKind, isNumber } from "./document";
+// bench, or one of several files, has no link. Of a script that reads files, the link has the script, which asks for them.
+import { BUDGET, type Bench, type BudgetKind, isNumber, isScript } from "./document";
 
 interface Packed {
   /** The version of this format. */
@@ -25,8 +25,8 @@ const MOST_FILE = 290_000;
 export async function pack(bench: Bench): Promise<string | null> {
   const { name, files, budget, set, options, combine, before } = bench;
   const bytes = files[name];
-  // A link must restore the whole bench, so one with further files or previous steps has none.
-  const isSelfContained = Object.keys(files).length === 1 && !combine && before.length === 0;
+  // A link must restore the whole bench, so one with further files or previous steps has none. A script asks for its files.
+  const isSelfContained = (isScript(bench) || Object.keys(files).length === 1) && !combine && before.length === 0;
   if (!bytes || bytes.length > MOST_FILE || !isSelfContained || !NAME.test(name) || options.length > MOST_OPTIONS) return null;
   // A byte order mark is kept, so that the text comes back byte for byte.
   const read = new TextDecoder("utf-8", { ignoreBOM: true });

@@ -90,6 +90,8 @@ export interface Texts {
   copy: string;
   copied: string;
   share: string;
+  /** Of a script that reads files, which a link leaves out. */
+  shareScript: string;
   noLink: string;
   notices: Record<Notice, string>;
   dismiss: string;
@@ -190,6 +192,7 @@ export const TEXTS: Record<Language, Texts> = {
     copy: "Copy",
     copied: "Copied",
     share: "The address of this page contains the shape and the budget.",
+    shareScript: "The address of this page contains the script and the budget, but not the files that the script reads: it will ask for them.",
     noLink: "The address does not contain this: a link holds only a single small file, as it was opened or written.",
     notices: {
       damaged: "The address was damaged; this is the first example.",
@@ -293,6 +296,7 @@ export const TEXTS: Record<Language, Texts> = {
     copy: "复制",
     copied: "已复制",
     share: "本页地址中含有形状和预算。",
+    shareScript: "本页地址中含有脚本和预算，不含脚本读取的文件；打开时会再次询问。",
     noLink: "地址中不含这些内容：只有单个小文件，且保持打开或写成时的样子，才能放进链接。",
     notices: {
       damaged: "地址已损坏；这是第一个示例。",

@@ -53,6 +53,11 @@ describe("the link", () => {
     const back = await unpack((await pack(of))!);
     expect(back).toEqual(of);
   });
+  test("of a script that reads files is that of the script alone", async () => {
+    const reads = { ...block, files: { ...block.files, "font.ttf": new Uint8Array(randomBytes(900_000)) } };
+    expect(await unpack((await pack(reads))!)).toEqual(block);
+    expect(await pack(bench("a.obj", { "a.obj": text("v 0 0 0"), "a.mtl": text("newmtl a") }))).toBeNull();
+  });
   test("restores a small file of any bytes", async () => {
     const marked = [0xef, 0xbb, 0xbf, 0x31];
     for (const bytes of [Uint8Array.of(0, 255, 254), new Uint8Array(60_000).fill(200), Uint8Array.from(marked)]) {
