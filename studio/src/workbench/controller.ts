@@ -161,8 +161,8 @@ export class Controller {
   line(output = `${stem(this.state.bench.name)}.glb`): Line {
     const { bench: current, shown } = this.state;
     const isShort = shown?.isShort && this.provedOf === current;
-    const line = meshLine(current, this.screen, this.outputOf(output));
-    return isShort ? keepingBest(line) : line;
+    const known = (shown?.bench === current ? shown.leftOut : []).reduce(without, meshLine(current, this.screen, this.outputOf(output)));
+    return isShort ? keepingBest(known) : known;
   }
 
   /** The command line for the picture from the current view. */
@@ -502,8 +502,11 @@ export class Controller {
   /** Runs a line and shows its mesh. Returns whether there is one; `null` if it is not needed any more. */
   private async showMesh(lane: "draft" | "proof", words: Line, output: string, input: Bench): Promise<boolean | null> {
     const begun = performance.now();
-    const outcome = await this.run(lane, words, input.files, true);
-    if (!outcome || !this.isWanted(lane, input)) return null;
+    // Options are for all verbs: one that only tiles have must not keep the shape from being shown.
+    const run = await this.runSupported(lane, words, input.files, true);
+    if (!run || !this.isWanted(lane, input)) return null;
+    const { outcome, line } = run;
+    const leftOut = words.filter((word) => /^--?[a-z]/i.test(word) && !line.includes(word));
     const { certificate } = reportOf(outcome);
     const bytes = madeBy(outcome, words)?.[output];
     const isNewest = input === this.state.bench;
@@ -520,7 +523,7 @@ export class Controller {
     const seconds = (performance.now() - begun) / 1000;
     const isShort = outcome.exit !== 0;
     this.frameShape(input, parts, up);
-    const shown: Shown = { bench: input, parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
+    const shown: Shown = { bench: input, parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort, leftOut };
     // If an older input is proved in place of a faulty one, the error of the newest input must stay visible.
     const isOld = lane === "proof" && !isNewest;
     const fault = isOld ? this.state.fault : isShort && lane === "proof" ? faultOf(outcome) : null;

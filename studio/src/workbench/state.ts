@@ -31,6 +31,8 @@ export interface Shown {
   isDraft: boolean;
   /** The budget was not met: this is the best mesh that was reached. */
   isShort: boolean;
+  /** Options of the bench that meshing does not know. */
+  leftOut: Line;
 }
 
 export interface Levels {

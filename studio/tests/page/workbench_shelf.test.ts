@@ -125,13 +125,24 @@ describe("an export", () => {
       // The certificate is that of the mesh, if the format can hold one.
       if (format !== "stl") expect(found.bound, format).toEqual(first.found.bound);
     }
-    // A run that fails ends with a sentence and without a file, whatever it has written until then.
+    // An option that only tiles have is for them; the mesh is made without it, and the page says so.
+    const options = page.locator(".options-more input");
     await page.locator(".options-more summary").click();
-    await page.locator(".options-more input").fill("--at 47,8");
-    await page.keyboard.press("Enter");
+    await options.fill("--at 47,8");
+    await options.press("Enter");
+    await settled(page);
+    expect(await page.locator(".messages").textContent()).toContain("--at is no option of a mesh");
+    const tiles = await saved(page, () => page.locator("[data-export=tiles]").click());
+    expect([tiles.name, tiles.bytes.subarray(0, 2).toString()]).toEqual(["bracket-tiles.zip", "PK"]);
+    // A run that fails ends with a sentence and without a file, whatever it has written until then.
+    let count = 0;
+    page.on("download", () => (count += 1));
+    await options.fill("--at 470,8");
+    await options.press("Enter");
     await settled(page);
     await page.locator("[data-export=tiles]").click();
-    await expect.poll(() => page.locator(".export .fault, .export [role=status]").first().textContent()).toMatch(/bracket-tiles\.zip/);
+    await expect.poll(() => page.locator(".export .fault").textContent()).toMatch(/bracket-tiles\.zip was not written\. .*470/);
+    expect(count).toBe(0);
   });
 });
 
@@ -157,8 +168,7 @@ describe("a file", () => {
     expect(faults(errors)).toEqual([]);
   });
 
-  // Skipped until the module names a missing file as the command does: in WASI it said "not supported".
-  test.skip("that a script reads is asked for in place, and so are a text and a height", async () => {
+  test("that a script reads is asked for in place, and so are a text and a height", async () => {
     const { page } = await pages.open(await small('mesh("part.stl")'));
     await expect.poll(() => page.locator(".ask").textContent()).toContain("part.stl");
     const { outputs } = await run(module, ["mesh", "a.star", "--tol", "1%", "-o", "a.stl"], { "a.star": text("box(1, 2, 3)") });

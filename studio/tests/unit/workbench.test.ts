@@ -293,6 +293,24 @@ test("a link restores only known fields, and nothing that could run", async () =
   expect(await unpack(coded!)).toEqual({ ...block, set: { width: "2.5" }, options: "--allow mesh" });
 });
 
+test("an option that meshing does not know is left out of the mesh, and the page says which", async () => {
+  const certificate = { frame: { up: null, metres_per_unit: null }, bound: null, output: null, valid: null, budget: null, notes: [] };
+  const jobs = {
+    run: async (_: LaneName, words: string[]): Promise<Outcome> =>
+      words.includes("--at")
+        ? { exit: 2, stdout: "", stderr: "chordal: unexpected argument '--at' found\n", outputs: {} }
+        : { exit: 0, stdout: JSON.stringify({ certificate, inspection: {} }), stderr: "", outputs: { "block.glb": scaledTriangle([1, 1, 1], [0, 0, 1]) } },
+    isRunning: () => false,
+    cancel: () => undefined,
+  };
+  const of = { ...block, options: "--at 47,8" };
+  const control = new Controller(jobs as unknown as Jobs<LaneName>, of, () => undefined);
+  control.start();
+  await control.until(({ ended }) => ended === of);
+  expect([control.state.fault, control.state.shown?.leftOut]).toEqual([null, ["--at"]]);
+  expect(control.line()).toEqual(["mesh", "block.star", "--tol", "0.5%", "-o", "block.glb"]);
+});
+
 test("an option is removed from a line with its value, and nothing else", () => {
   const line = ["mend", "a.npy", "--iso", "-5", "--cap", "-o", "b.npy"];
   expect(without(line, "--iso")).toEqual(["mend", "a.npy", "--cap", "-o", "b.npy"]);
@@ -425,7 +443,7 @@ describe("an export", () => {
     const jobs = { run: async (_: LaneName, words: string[]) => (lines.push(words), outcome), isRunning: () => false, cancel: () => undefined };
     const control = new Controller(jobs as unknown as Jobs<LaneName>, block, () => undefined);
     const certificate = { frame, bound: null, output: null, valid: null, budget: null, notes: [] };
-    const shown = { bench: block, parts: [], certificate, bytes: text("glTF"), seconds: 1, isDraft: false, isShort: false };
+    const shown = { bench: block, parts: [], certificate, bytes: text("glTF"), seconds: 1, isDraft: false, isShort: false, leftOut: [] };
     control.state = { ...control.state, shown, ended: block };
     return { control, lines };
   };

@@ -41,7 +41,7 @@ export function Status({ page, control, square, unit }: { page: Page; control: L
 /** The fault of the current input, and what its script printed, above the status line. */
 export function Messages({ page }: { page: Page }) {
   const { words, state, control, language } = page;
-  const { fault, notice } = state;
+  const { bench, fault, notice, shown } = state;
   return (
     <div class="messages">
       {fault && (
@@ -59,6 +59,11 @@ export function Messages({ page }: { page: Page }) {
         </ul>
       )}
       {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
+      {shown?.bench === bench && shown.leftOut.length > 0 && (
+        <p class="note" role="status">
+          <code>{shown.leftOut.join(" ")}</code> {LAYOUT_TEXTS[language].leftOut}
+        </p>
+      )}
       {notice && (
         <p class="note" role="alert">
           {words.notices[notice]}{" "}
