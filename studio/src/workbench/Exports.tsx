@@ -116,7 +116,7 @@ function Written({ page }: { page: Page }) {
   if (exported.state === "written") return <p role="status">{words.exportWritten(name, say.bytes(exported.bytes))}</p>;
   return (
     <p class="fault" role="alert">
-      <b>{words.exportFailed(name)}</b> {exported.fault ? <FaultSaid fault={exported.fault} language={language} /> : words.exportNoProof}
+      <b>{words.exportFailed(name)}</b> {exported.fault ? <FaultSaid fault={exported.fault} language={language} /> : exported.isChanged ? words.exportChanged : words.exportNoProof}
     </p>
   );
 }

@@ -45,7 +45,7 @@ export const bench = (name: string, files: Files, before: readonly Line[] = []):
 });
 
 const SCRIPT = /\.star$/i;
-const DRAWING = /\.(svg|ttf|otf)$/i;
+const DRAWING = /\.(svg|ttf|otf|ttc)$/i;
 const VOLUME = /\.(npy|npz|nrrd|nhdr|nii|nii\.gz|mha|mhd|vti|slc|vm)$/i;
 const MESH = /\.(glb|gltf|3mf|obj|ply|stl|off|amf|dae)$/i;
 const GRID_OR_FIELD = /\.(star|npy|npz|nrrd|nhdr|nii|nii\.gz|mha|mhd|vti|slc|vm)$/i;

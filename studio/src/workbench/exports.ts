@@ -13,8 +13,8 @@ export type MeshFormat = (typeof MESH_FORMATS)[number];
 export type Exported =
   | { state: "waiting"; name: string }
   | { state: "written"; name: string; bytes: number }
-  /** Without a fault the reason is that there is no proved mesh. */
-  | { state: "failed"; name: string; fault: Fault | null };
+  /** Without a fault the reason is that there is no proved mesh, or that the input changed before there was one. */
+  | { state: "failed"; name: string; fault: Fault | null; isChanged?: true };
 
 /** With this option a conversion that changes no coordinate keeps the certificate of the mesh. */
 const KEEP_CERTIFICATE = "--keep-certificate";
@@ -39,7 +39,11 @@ export async function exportMesh(control: Controller, format: MeshFormat): Promi
   // A proof may be running; the file is that of the proved mesh, as its certificate says.
   await control.until((state) => state.bench !== bench || isProved(state) || (state.ended === bench && !state.isWaiting));
   const { shown } = control.state;
-  if (control.state.bench !== bench || !shown || !isProved(control.state)) return failed(control, name, null);
+  if (control.state.bench !== bench) {
+    control.change({ exported: { state: "failed", name, fault: null, isChanged: true } });
+    return null;
+  }
+  if (!shown || !isProved(control.state)) return failed(control, name, null);
   if (format === "glb") return done(control, name, { [name]: shown.bytes });
   if (!keepsFrame(shown)) return exportLine(control, control.line(name), name);
   const mesh = `${stem(bench.name)}.glb`;

@@ -8,6 +8,7 @@ interface PanelTexts {
   exportWritten(name: string, size: string): string;
   exportFailed(name: string): string;
   exportNoProof: string;
+  exportChanged: string;
   carried(file: string, script: string): string;
   carriedRunning: string;
   carriedVerdicts: Record<"re-proved" | "not re-proved" | "refuted", string>;
@@ -66,6 +67,7 @@ export const PANEL_TEXTS: Record<Language, PanelTexts> = {
     exportWritten: (name, size) => `${name}: ${size} written.`,
     exportFailed: (name) => `${name} was not written.`,
     exportNoProof: "There is no proved mesh of this input: its proof was stopped or failed.",
+    exportChanged: "The shape changed before it was proved. Press again for the new one.",
     carried: (file, script) => `${file} carries its script, so ${script} was opened.`,
     carriedRunning: "The file is being proved again from it.",
     carriedVerdicts: {
@@ -144,6 +146,7 @@ export const PANEL_TEXTS: Record<Language, PanelTexts> = {
     exportWritten: (name, size) => `已写出 ${name}，${size}。`,
     exportFailed: (name) => `没有写出 ${name}。`,
     exportNoProof: "现在的内容没有已证明的网格：证明失败，或已停止。",
+    exportChanged: "证明完成之前形状已经改变。如要导出新的形状，请再按一次。",
     carried: (file, script) => `${file} 带有自己的脚本，因此打开了 ${script}。`,
     carriedRunning: "正在由脚本重新证明这个文件。",
     carriedVerdicts: {

@@ -475,6 +475,14 @@ describe("an export", () => {
     expect(await exportMesh(control, "glb")).toBeNull();
     expect(control.state.exported).toEqual({ state: "failed", name: "block.glb", fault: null });
   });
+  test("of a shape that changes before it is proved says that, and writes nothing", async () => {
+    const { control } = proved(ended(0, {}));
+    control.state = { ...control.state, shown: null, ended: null };
+    const made = exportMesh(control, "stl");
+    control.put(withText(block, "sphere(1)"));
+    expect(await made).toBeNull();
+    expect(control.state.exported).toEqual({ state: "failed", name: "block.stl", fault: null, isChanged: true });
+  });
   test("is the best mesh for a missed budget only if the line asks for it", async () => {
     const outputs = { "block.glb": text("best") };
     const line = ["mesh", "block.star", "-o", "block.glb", "--keep-best"];
