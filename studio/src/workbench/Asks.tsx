@@ -5,6 +5,7 @@ import { Slider } from "../view/parts";
 import { isDrawing, isVolume, split, without } from "./document";
 import { lackOf, supplied } from "./lack";
 import { PANEL_TEXTS } from "./panel_texts";
+import { TextField } from "./TextField";
 import type { Page } from "./words";
 
 const FONTS = ".ttf,.otf,.ttc";
@@ -83,12 +84,7 @@ function FontAsk({ page }: { page: Page }) {
     <div class="ask" role="group" aria-label={words.ask}>
       <label class="field">
         {words.askText}
-        <input
-          type="text"
-          data-ask="text"
-          value={optionOf(bench.options, "--text") ?? ""}
-          onChange={(event) => put(withOption(bench.options, "--text", event.currentTarget.value || null))}
-        />
+        <TextField ask="text" value={optionOf(bench.options, "--text") ?? ""} enter={(text) => put(withOption(bench.options, "--text", text || null))} />
       </label>
     </div>
   );
@@ -106,7 +102,7 @@ function HeightAsk({ page }: { page: Page }) {
     <div class="ask" role="group" aria-label={words.ask}>
       <label class="field">
         {words.askHeight}
-        <input type="text" inputMode="decimal" data-ask="height" value={height ?? ""} onChange={(event) => put(event.currentTarget.value.trim() || null)} />
+        <TextField ask="height" inputMode="decimal" value={height ?? ""} enter={(text) => put(text.trim() || null)} />
       </label>
       {height === null && inspection?.box && (
         <button type="button" data-ask="raise" onClick={() => put(String(Number((HEIGHT * diagonalOf(inspection.box!)).toPrecision(1))))}>

@@ -7,6 +7,7 @@ import { type Bench, type BudgetKind, isScript, viewText } from "./document";
 import { LAYOUT_TEXTS } from "./layout/texts";
 import { Script } from "./Script";
 import { ShelfBar } from "./Shelf";
+import { TextField } from "./TextField";
 import type { Page } from "./words";
 
 const KINDS: readonly BudgetKind[] = ["tol", "px", "triangles"];
@@ -62,12 +63,7 @@ export function Inputs({ page }: { page: Page }) {
         <summary>{words.options}</summary>
         <label class="field">
           <span class="aside">{words.optionsHint}</span>
-          <input
-            type="text"
-            spellcheck={false}
-            value={bench.options}
-            onChange={(event) => control?.put({ ...bench, options: event.currentTarget.value })}
-          />
+          <TextField value={bench.options} enter={(options) => control?.put({ ...bench, options })} />
         </label>
       </details>
     </section>
@@ -146,13 +142,12 @@ function BudgetBar({ page }: { page: Page }) {
         choose={(by) => put({ by })}
       />
       <label class="field">
-        <input
-          type="text"
-          inputMode={budget.by === "tol" ? "text" : "decimal"}
-          spellcheck={false}
+        <TextField
+          key={budget.by}
           value={budget[budget.by]}
-          aria-label={words.budgets[budget.by]}
-          onChange={(event) => put({ [budget.by]: event.currentTarget.value })}
+          label={words.budgets[budget.by]}
+          inputMode={budget.by === "tol" ? "text" : "decimal"}
+          enter={(text) => put({ [budget.by]: text })}
         />
         <span class="aside">{hint}</span>
       </label>

@@ -6,6 +6,7 @@ import { PANEL_TEXTS } from "./panel_texts";
 import { type Kept, MOST, cleaned } from "./shelf";
 import { type Saving, choose, remember, save, savesInPlace } from "./star_files";
 import type { Page } from "./words";
+import { TextField } from "./TextField";
 
 /** A new script, which is a shape at once. */
 const BLANK = "box(20, 10, 5)\n";
@@ -59,15 +60,12 @@ export function ShelfBar({ page }: { page: Page }) {
             <>
               <label class="field shelf-name">
                 {words.scriptName}
-                <input
-                  type="text"
-                  spellcheck={false}
-                  maxLength={60}
+                <TextField
                   value={kept.name}
-                  onChange={(event) => {
-                    const renamed = shelf!.rename(kept.id, event.currentTarget.value);
+                  maxLength={60}
+                  enter={(name) => {
+                    const renamed = shelf!.rename(kept.id, name);
                     if (renamed) control?.adopt(renamed);
-                    else event.currentTarget.value = kept.name;
                   }}
                 />
               </label>

@@ -67,6 +67,30 @@ describe("the shelf", () => {
     expect(faults(errors)).toEqual([]);
   });
 
+  test("keeps a name that is being typed while the page is drawn anew", async () => {
+    const { page } = await pages.open();
+    await page.locator("[data-shelf=keep]").click();
+    const name = page.getByLabel("Name", { exact: true });
+    await name.click();
+    await name.fill("half a na");
+    // Every step of a run draws the page anew, as does a turn of the picture.
+    const before = await page.locator(".triad").innerHTML();
+    await page.locator(".scene").evaluate((scene) => {
+      for (const deltaY of [100, -300]) scene.dispatchEvent(new WheelEvent("wheel", { deltaY, clientX: 900, clientY: 400 }));
+      for (const key of ["5", "7"]) scene.dispatchEvent(new KeyboardEvent("keydown", { key }));
+    });
+    await expect.poll(() => page.locator(".triad").innerHTML()).not.toBe(before);
+    expect(await name.inputValue()).toBe("half a na");
+    await name.press("End");
+    await name.pressSequentially("me");
+    await name.press("Enter");
+    await expect.poll(() => line(page)).toContain("'half a name.star'");
+    // What was not entered is dropped by Escape.
+    await name.fill("another");
+    await name.press("Escape");
+    expect(await name.inputValue()).toBe("half a name");
+  });
+
   test("is not changed by a script from an address, and shows all examples with pictures", async () => {
     const { page } = await pages.open();
     await page.locator("[data-shelf=keep]").click();
