@@ -1,7 +1,7 @@
 // A text of the command, with its language if that is not the page's, so that screen readers pronounce it correctly.
 import { errorIn, type Spoken } from "./command_zh";
 import type { Fault } from "./outcome";
-import type { Language } from "./texts";
+import { type Language, TEXTS } from "./texts";
 
 export const Said = ({ words: { text, lang } }: { words: Spoken }) => <span {...(lang ? { lang } : {})}>{text}</span>;
 
@@ -9,5 +9,6 @@ export const Said = ({ words: { text, lang } }: { words: Spoken }) => <span {...
 export const FaultSaid = ({ fault, language }: { fault: Fault; language: Language }) => (
   <>
     {errorIn(language, fault.code)} <span lang="en">{fault.text}</span>
+    {fault.openedIn !== undefined && ` ${TEXTS[language].openedIn(fault.openedIn)}`}
   </>
 );

@@ -21,7 +21,7 @@ import {
 import { carriedBy, verifyCarried } from "./carried";
 import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, withPictures } from "./glb";
-import { MOST_FAULTS, inScript, isMendable, withoutFault } from "./faults";
+import { MOST_FAULTS, inScript, isFurther, isMendable, withCause, withoutFault } from "./faults";
 import { type Jobs, Stopped } from "./jobs";
 import { FieldSource } from "./field_source";
 import { type Fault, KEEP_BEST, faultOf, madeBy, reportOf, sliceOf } from "./outcome";
@@ -482,7 +482,7 @@ export class Controller {
       const outcome = await this.run("faults", ["inspect", ...reading(current)], withText(current, copy).files, true);
       if (!outcome || current !== this.state.bench) return;
       fault = outcome.exit === 0 ? null : inScript(faultOf(outcome), copy, script);
-      if (!fault || !isMendable(fault)) break;
+      if (!fault || !isMendable(fault) || !isFurther(fault, [this.state.fault!, ...more])) break;
       more.push(fault);
       this.update({ moreFaults: more.slice() });
     }
@@ -511,7 +511,8 @@ export class Controller {
     const bytes = madeBy(outcome, words)?.[output];
     const isNewest = input === this.state.bench;
     if (!bytes || !certificate) {
-      if (lane === "draft" || isNewest) this.update({ fault: faultOf(outcome) });
+      const fault = faultOf(outcome);
+      if (lane === "draft" || isNewest) this.update({ fault: isScript(input) ? withCause(fault, textOf(input)) : fault });
       return false;
     }
     const up = this.upOf(input, certificate.frame.up);
@@ -580,7 +581,7 @@ export class Controller {
     const { outcome } = run;
     const { inspection, certificate } = reportOf(outcome);
     this.update({ inspection: inspection ?? null, witnesses: certificate?.valid?.witnesses ?? [] });
-    if (!inspection) this.update({ fault: faultOf(outcome) });
+    if (!inspection) this.update({ fault: isScript(current) ? withCause(faultOf(outcome), textOf(current)) : faultOf(outcome) });
   }
 
   /** The picture beside the mesh is rendered only while it is seen. */

@@ -11,6 +11,37 @@ const UNREADABLE = /^Parse error:/;
 /** Whether a mistake can be mended in a copy, so that the next one shows. */
 export const isMendable = ({ text, line }: Fault): boolean => line !== undefined && (UNKNOWN.test(text) || UNREADABLE.test(text));
 
+/**
+ * Whether a mistake is another one than those before it. Reading a script ends at its first unreadable line, so the next such
+ * line is below it, unless it was not mended.
+ */
+export const isFurther = (next: Fault, known: readonly Fault[]): boolean =>
+  known.every((one) => one.text !== next.text || one.line !== next.line) &&
+  (!UNREADABLE.test(next.text) || known.every((one) => !UNREADABLE.test(one.text) || one.line! < next.line!));
+
+const OPENING = "([{";
+const CLOSING = ")]}";
+
+/** The line of a bracket that was opened before a line of the script and is still open there; `undefined` if there is none. */
+export function openedBefore(script: string, line: number): number | undefined {
+  const open: number[] = [];
+  const lines = script.split("\n").slice(0, line - 1);
+  for (const [i, text] of lines.entries()) {
+    // Without texts and comments, in which brackets mean nothing.
+    for (const letter of text.replace(/"(\\.|[^"\\])*"|'(\\.|[^'\\])*'|#.*/g, "")) {
+      if (OPENING.includes(letter)) open.push(i + 1);
+      else if (CLOSING.includes(letter)) open.pop();
+    }
+  }
+  return open.at(-1);
+}
+
+/** A mistake with the line of the bracket that causes it, if one is open there. */
+export function withCause(fault: Fault, script: string): Fault {
+  const openedIn = fault.line !== undefined && UNREADABLE.test(fault.text) ? openedBefore(script, fault.line) : undefined;
+  return openedIn === undefined ? fault : { ...fault, openedIn };
+}
+
 /** The script without a mistake, with all other lines in their places; `null` if that could cause another mistake. */
 export function withoutFault(script: string, { text, line = 0 }: Fault): string | null {
   const unknown = UNKNOWN.exec(text)?.[1];

@@ -12,7 +12,7 @@ export interface Lack {
 }
 
 /** A file that the command did not find, as its message names it. */
-const MISSING = /'([^']+)' cannot be used: no such file or directory/;
+const MISSING = /'([^']+)' cannot be (?:used|loaded): no such file or directory/;
 /** A text that is set without a font. */
 const NO_FONT = /`font` for call to `text`|text\(\) needs 'font'/;
 const FONT = /\.(ttf|otf|ttc)$/i;

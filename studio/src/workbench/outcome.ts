@@ -10,6 +10,8 @@ export interface Fault {
   /** The place in the script, counted from 1. */
   line?: number;
   column?: number;
+  /** The line of a bracket that is still open at that place. */
+  openedIn?: number;
 }
 
 /** The samples of a baked field, from which slices are drawn. */

@@ -99,6 +99,12 @@ export interface Texts {
   noScript: string;
   error: string;
   atLine(line: number): string;
+  /** After a mistake: a bracket that was opened in that line is still open. */
+  openedIn(line: number): string;
+  /** The mesh has no triangles. */
+  noTriangles: string;
+  /** The proof has ended, and nothing is known of the error. */
+  unproved: string;
 }
 
 export const TEXTS: Record<Language, Texts> = {
@@ -208,6 +214,9 @@ export const TEXTS: Record<Language, Texts> = {
     noScript: "The workbench needs JavaScript and WebAssembly. On your machine the command does the same work:",
     error: "Error:",
     atLine: (line) => `Line ${line}:`,
+    openedIn: (line) => `A bracket of line ${line} is not closed.`,
+    noTriangles: "Nothing of the shape is larger than the error that may be seen, so the mesh is empty. Allow a smaller one.",
+    unproved: "error not proved",
   },
   zh: {
     title: "工作台",
@@ -312,5 +321,8 @@ export const TEXTS: Record<Language, Texts> = {
     noScript: "工作台需要 JavaScript 和 WebAssembly。在你的机器上，可以用命令完成同样的工作：",
     error: "错误：",
     atLine: (line) => `第 ${line} 行：`,
+    openedIn: (line) => `第 ${line} 行有一个括号没有闭合。`,
+    noTriangles: "形状的各处都小于允许的误差，网格因此是空的。请减小允许的误差。",
+    unproved: "误差未能证明",
   },
 };

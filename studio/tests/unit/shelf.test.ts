@@ -109,7 +109,7 @@ test("what a script lacks is taken from files that suit it, under the name in th
   expect(Object.keys(supplied(script, lack, { "DejaVuSans.otf": bytes }).files)).toEqual(["sign.star", "font.ttf"]);
   expect(supplied(script, lack, { "font.ttf": bytes, "a.svg": bytes }).files).toMatchObject({ "font.ttf": bytes, "a.svg": bytes });
   for (const others of [["part.stl"], ["other.star"], ["a.ttf", "b.ttf"], []]) expect(suits(lack, others), others.join()).toBe(false);
-  const library = lackOf({ bench: script, fault: { text: "'lib.star' cannot be used: no such file or directory" } })!;
+  const library = lackOf({ bench: script, fault: { text: "'lib.star' cannot be loaded: no such file or directory" } })!;
   expect([suits(library, ["lib.star"]), suits(library, ["part.star"])]).toEqual([true, false]);
   const unnamed = lackOf({ bench: of("sign", 'text("A")'), fault: { text: "Missing named-only parameter `font` for call to `text`", line: 1 } })!;
   const named = supplied(of("sign", 'text("A")'), unnamed, { "f.ttf": bytes });
