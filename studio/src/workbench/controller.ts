@@ -65,6 +65,10 @@ const MOST_BYTES = 600e6;
 const AWAY = 2.4;
 /** If the size changes by this factor, the view is reset. Chosen: up to it the eye stays outside of the shape. */
 const OTHER_SIZE = 3;
+/** The same for a view that was only turned since: there is nothing to keep. Chosen: dragging a number stays visible as growth. */
+const OUTGROWN = 1.25;
+/** A shape that moved by this share of its diagonal is looked for by such a view. */
+const MOVED = 0.25;
 /** Pixels of a ray-traced picture: as many as take about a second. */
 const MOST_DOTS = 120_000;
 /** Cells along the longest side of a slice; each is shown as one or two pixels. */
@@ -72,7 +76,8 @@ const SLICE_CELLS = "96";
 
 export class Controller {
   private timers = new Map<string, ReturnType<typeof setTimeout>>();
-  private framed: { name: string; up: string | null } | null = null;
+  /** The shape for which the view was set last, and that view. */
+  private framed: { name: string; up: string | null; view: View } | null = null;
   state: State;
   /** The scripts that this browser keeps; `null` while pages are written. */
   shelf: Shelf | null = null;
@@ -555,16 +560,25 @@ export class Controller {
     const isNew = this.framed?.name !== current.name;
     const box = boxOf(parts);
     if (isNew && !box) return;
-    this.framed = { name: current.name, up };
-    if (!box) return;
+    if (!box) return void (this.framed = { ...this.framed!, up });
     const [low, high] = box;
     const diagonal = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
     const target: Vec3 = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
-    const { azimuth, elevation } = isNew ? HOME : this.state.view;
+    const { view, home: oldHome } = this.state;
+    const { azimuth, elevation } = isNew ? HOME : view;
     const home = { ...HOME, target, distance: AWAY * diagonal };
-    const grown = home.distance / this.state.home.distance;
-    if (!isNew && (this.dragged || Math.max(grown, 1 / grown) < OTHER_SIZE)) return;
-    this.update({ view: { ...home, azimuth, elevation }, home });
+    // Fitting it into the picture is always about the shape that is shown.
+    this.update({ home });
+    // Whoever has come nearer, or looks at a place, is left there.
+    const before = this.framed?.view ?? HOME;
+    const isUntouched = [before, oldHome].some((one) => view.distance === one.distance && view.target.every((x, k) => x === one.target[k]));
+    const grown = home.distance / (isUntouched ? view : before).distance;
+    const isMoved = isUntouched && Math.hypot(...target.map((x, k) => x - view.target[k]!)) > MOVED * diagonal;
+    const isKept = Math.max(grown, 1 / grown) < (isUntouched ? OUTGROWN : OTHER_SIZE) && !isMoved;
+    const next = { ...view, ...home, azimuth, elevation };
+    this.framed = { name: current.name, up, view: isNew || (!this.dragged && !isKept) ? next : before };
+    if (this.framed.view !== next) return;
+    this.update({ view: next });
     // The pixels were counted from the previous position.
     if (current.budget.by === "px") this.schedule("proof", () => void this.prove());
   }
