@@ -92,8 +92,8 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
 /** Whether the bound says anything: the estimate of a draft does not, and neither does "0 or more". */
 export const isKnown = ({ evidence, at_least, at_most }: BoundFacts): boolean => evidence !== "estimated" && (at_most !== null || at_least > 0);
 
-export function sizeOf({ words, say }: Page, bound: BoundFacts): string {
-  if (!isKnown(bound)) return words.unknown;
+export function sizeOf({ words, say, state }: Page, bound: BoundFacts): string {
+  if (!isKnown(bound)) return state.shown?.isDraft ? words.unknown : words.unproved;
   return bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most));
 }
 

@@ -5,7 +5,7 @@ import { Working } from "./Certificate";
 import type { Files } from "./command";
 import { NO_SCREEN, isDrawing, meshLine, python, reading, readsFiles, rust, shell, stem } from "./document";
 import { MESH_FORMATS, exportLine, exportMesh } from "./exports";
-import { isBroken } from "./outdated";
+import { isBroken, isEmpty } from "./outdated";
 import { FaultSaid } from "./Said";
 import { PANEL_TEXTS } from "./panel_texts";
 import type { Page } from "./words";
@@ -27,9 +27,18 @@ export function Exports({ page }: { page: Page }) {
   const text =
     language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, shownName) : rust(bench, screen, shownName);
   // If the command cannot read the input, it cannot write a file either; the certificate shows the error.
-  const isDisabled = isBroken(state);
-  const save = (made: Promise<Files | null>, archiveName?: string) =>
-    void made.then((files) => files && saveAll(files, archiveName).catch(() => control?.say("trapped")));
+  const isDisabled = isBroken(state) || isEmpty(state);
+  const save = async (made: Promise<Files | null>, archiveName?: string) => {
+    const files = await made;
+    if (!files || !control) return;
+    try {
+      const bytes = await saveAll(files, archiveName);
+      // An archive is smaller than what is in it.
+      if (control.state.exported?.state === "written") control.change({ exported: { ...control.state.exported, bytes } });
+    } catch {
+      control.say("trapped");
+    }
+  };
   const name = stem(bench.name);
   return (
     <section class="export">
@@ -42,7 +51,7 @@ export function Exports({ page }: { page: Page }) {
               key={format}
               data-export={format}
               disabled={isDisabled}
-              onClick={() => save(exportMesh(control!, format))}
+              onClick={() => void save(exportMesh(control!, format))}
             >
               {format.toUpperCase()}
             </button>
@@ -51,7 +60,7 @@ export function Exports({ page }: { page: Page }) {
             type="button"
             data-export="tiles"
             disabled={isDisabled}
-            onClick={() => save(exportLine(control!, ["lod", ...reading(bench), "--px", "1", "-o", "tiles/"], `${name}-tiles.zip`), `${name}-tiles.zip`)}
+            onClick={() => void save(exportLine(control!, ["lod", ...reading(bench), "--px", "1", "-o", "tiles/"], `${name}-tiles.zip`), `${name}-tiles.zip`)}
           >
             3D Tiles (.zip)
           </button>
@@ -60,7 +69,7 @@ export function Exports({ page }: { page: Page }) {
               type="button"
               data-export="svg"
               disabled={isDisabled}
-              onClick={() => save(exportLine(control!, ["convert", ...reading(bench), `${name}-out.svg`], `${name}-out.svg`))}
+              onClick={() => void save(exportLine(control!, ["convert", ...reading(bench), `${name}-out.svg`], `${name}-out.svg`))}
             >
               SVG
             </button>
@@ -69,7 +78,7 @@ export function Exports({ page }: { page: Page }) {
             type="button"
             data-export="png"
             disabled={isDisabled}
-            onClick={() => save(exportLine(control!, control!.pictureLine(), `${name}.png`))}
+            onClick={() => void save(exportLine(control!, control!.pictureLine(), `${name}.png`))}
           >
             PNG
           </button>
@@ -121,8 +130,8 @@ function Written({ page }: { page: Page }) {
   );
 }
 
-/** Saves one file as it is, several or those of a folder in an archive. Rejects if the archive does not fit into memory. */
-async function saveAll(files: Files, archiveName?: string): Promise<void> {
+/** Saves one file as it is, several or those of a folder in an archive. Returns how many bytes. Rejects if the archive does not fit into memory. */
+async function saveAll(files: Files, archiveName?: string): Promise<number> {
   const names = Object.keys(files);
   if (!archiveName && names.length === 1) return save(names[0]!, files[names[0]!]!);
   const worker = new Worker(new URL("./archive.ts", import.meta.url), { type: "module" });
@@ -132,15 +141,16 @@ async function saveAll(files: Files, archiveName?: string): Promise<void> {
       worker.onerror = reject;
       worker.postMessage(files);
     });
-    save(archiveName ?? `${stem(names[0]!)}.zip`, bytes);
+    return save(archiveName ?? `${stem(names[0]!)}.zip`, bytes);
   } finally {
     worker.terminate();
   }
 }
 
-function save(name: string, bytes: Uint8Array): void {
+function save(name: string, bytes: Uint8Array): number {
   const address = URL.createObjectURL(new Blob([bytes as BlobPart]));
   const link = Object.assign(document.createElement("a"), { href: address, download: name.replace(/^.*\//, "") });
   link.click();
   setTimeout(() => URL.revokeObjectURL(address), KEPT_MS);
+  return bytes.length;
 }

@@ -11,6 +11,22 @@ const rounded = (x: number, at: Vec3): number => (Math.abs(x) < ROUNDING * Math.
 
 const contactsOf = ({ bound }: Certificate) => (bound?.open?.largest ?? []).flatMap(({ contact }) => (contact ? [contact] : []));
 
+type Contact = ReturnType<typeof contactsOf>[number];
+
+const spelled = (say: Page["say"], at: Vec3): string => at.map((x) => say.number(rounded(x, at))).join(", ");
+
+/** The contacts of the same two lines together, each place once. */
+export function byLines(contacts: readonly Contact[]): { lines: Contact["lines"]; places: Vec3[] }[] {
+  const found = new Map<string, { lines: Contact["lines"]; places: Vec3[] }>();
+  for (const { at, lines } of contacts) {
+    const key = lines?.join() ?? "";
+    const same = found.get(key);
+    if (!same) found.set(key, { lines, places: [at] });
+    else if (!same.places.some((one) => one.every((x, k) => Math.abs(x - at[k]!) <= ROUNDING * Math.max(...at.map(Math.abs))))) same.places.push(at);
+  }
+  return [...found.values()];
+}
+
 /** Whether some parts only touch. */
 export const touches = (certificate: Certificate): boolean => contactsOf(certificate).length > 0 || (certificate.valid?.non_manifold_edges ?? 0) > 0;
 
@@ -31,14 +47,21 @@ export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec
     <section class="panel findings touching">
       <h2>{words.touching}</h2>
       <ul>
-        {contacts.map(({ at, lines }) => (
-          <li key={at.join()} class="fault">
+        {byLines(contacts).map(({ lines, places: [first, ...others] }) => (
+          <li key={lines?.join()} class="fault">
             <p>
-              {words.touchingSays(at.map((x) => say.number(rounded(x, at))).join(", "), lines ? lines.map(String) : null)} {words.touchingCure}
+              {words.touchingSays(spelled(say, first!), lines ? lines.map(String) : null)} {words.touchingCure}
             </p>
-            <button type="button" data-go="contact" onClick={() => go(at)}>
-              {words.goThere}
-            </button>
+            <div class="row tight">
+              <button type="button" data-go="contact" onClick={() => go(first!)}>
+                {words.goThere}
+              </button>
+              {others.map((at, k) => (
+                <button type="button" key={at.join()} aria-label={words.goToPlace(k + 2)} onClick={() => go(at)}>
+                  {k + 2}
+                </button>
+              ))}
+            </div>
           </li>
         ))}
         {n > 0 && (

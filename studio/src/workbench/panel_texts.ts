@@ -53,6 +53,10 @@ interface PanelTexts {
   levelSuggested(level: string): string;
   levelReset: string;
   touching: string;
+  /** The same in the line below the picture. */
+  touchingShort: string;
+  /** Goes to the k-th of several places where the same parts touch. */
+  goToPlace(k: number): string;
   /** A contact at a point; the lines of the script that made the two parts, if they are known. */
   touchingSays(at: string, lines: readonly string[] | null): string;
   touchingCure: string;
@@ -133,6 +137,8 @@ export const PANEL_TEXTS: Record<Language, PanelTexts> = {
     levelSuggested: (level) => `Suggested: ${level}.`,
     levelReset: "Use the suggested value",
     touching: "Parts that only touch",
+    touchingShort: "parts only touch",
+    goToPlace: (k) => `Go to place ${k}`,
     touchingSays: (at, lines) =>
       (lines ? (lines[0] === lines[1] ? `Parts made in line ${lines[0]} touch` : `Parts made in lines ${lines[0]} and ${lines[1]} touch`) : "Two parts touch") +
       ` at (${at}) without overlapping.`,
@@ -212,6 +218,8 @@ export const PANEL_TEXTS: Record<Language, PanelTexts> = {
     levelSuggested: (level) => `建议取 ${level}。`,
     levelReset: "改用建议值",
     touching: "只是相接的部分",
+    touchingShort: "有些部分只是相接",
+    goToPlace: (k) => `转到第 ${k} 处`,
     touchingSays: (at, lines) =>
       (lines ? (lines[0] === lines[1] ? `第 ${lines[0]} 行做出的两部分` : `第 ${lines[0]} 行和第 ${lines[1]} 行做出的部分`) : "有两部分") +
       `在 (${at}) 处相接，但没有重叠。`,

@@ -8,6 +8,7 @@ import { beforeAll, describe, expect, test, vi } from "vitest";
 import { type Outcome, Trapped, run } from "../../src/workbench/command";
 import { Controller } from "../../src/workbench/controller";
 import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText, without } from "../../src/workbench/document";
+import { isFurther, openedBefore, withCause } from "../../src/workbench/faults";
 import { boxOf, levels, parts, partToZUp } from "../../src/workbench/glb";
 import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
 import { MESH_FORMATS, exportLine, exportMesh } from "../../src/workbench/exports";
@@ -17,6 +18,7 @@ import type { Certificate } from "../../src/workbench/report";
 import { pack, unpack } from "../../src/workbench/share";
 import { faultOf, madeBy } from "../../src/workbench/outcome";
 import type { LaneName } from "../../src/workbench/state";
+import { byLines } from "../../src/workbench/Touching";
 import { BenchSay } from "../../src/workbench/words";
 
 // The tests' module is neither small nor fast.
@@ -309,6 +311,66 @@ test("an option that meshing does not know is left out of the mesh, and the page
   await control.until(({ ended }) => ended === of);
   expect([control.state.fault, control.state.shown?.leftOut]).toEqual([null, ["--at"]]);
   expect(control.line()).toEqual(["mesh", "block.star", "--tol", "0.5%", "-o", "block.glb"]);
+});
+
+/** A controller whose command makes a triangle of this size from a script with that number. */
+const sized = (of = block) => {
+  const certificate = { frame: { up: null, metres_per_unit: null }, bound: null, output: null, valid: null, budget: null, notes: [] };
+  const jobs = {
+    run: async (_: LaneName, words: string[], files: Outcome["outputs"]): Promise<Outcome> => {
+      const size = Number(new TextDecoder().decode(files[words[1]!]));
+      const made = { [words[words.indexOf("-o") + 1]!]: scaledTriangle([size, size, size], [0, 0, 1]) };
+      return { exit: 0, stdout: JSON.stringify({ certificate, inspection: {} }), stderr: "", outputs: made };
+    },
+    isRunning: () => false,
+    cancel: () => undefined,
+  };
+  const control = new Controller(jobs as unknown as Jobs<LaneName>, withText(of, "1"), () => undefined);
+  const write = async (size: string) => {
+    control.write(size);
+    await control.until(({ ended, bench: now }) => ended === now);
+    return control.state;
+  };
+  return { control, write };
+};
+
+test("a view that was only turned follows the size of the shape, one from near stays, and fitting is about the shape that is shown", async () => {
+  const { control, write } = sized();
+  const first = await write("1");
+  expect(first.view.distance).toBe(first.home.distance);
+  control.look({ ...first.view, azimuth: 10 });
+  const twice = await write("2");
+  expect([twice.view.distance / first.view.distance, twice.view.azimuth]).toEqual([2, 10]);
+  // A little larger: the growth is seen. Fitting it is possible all the same.
+  const more = await write("2.2");
+  expect([more.view.distance, more.home.distance / first.home.distance]).toEqual([twice.view.distance, expect.closeTo(2.2, 5)]);
+  control.look({ ...more.view, distance: 0.1 });
+  const near = await write("4");
+  expect([near.view.distance, near.home.distance / first.home.distance]).toEqual([0.1, expect.closeTo(4, 5)]);
+  expect((await write("100")).view.distance / first.view.distance).toBeCloseTo(100, 3);
+});
+
+test("mistakes after the first are further ones, and an open bracket is named", () => {
+  const paren = { text: "Parse error: unexpected identifier 'b', expected symbol ')'", line: 2 };
+  expect(isFurther(paren, [{ ...paren }])).toBe(false);
+  expect(isFurther({ ...paren, line: 1 }, [paren])).toBe(false);
+  expect(isFurther({ ...paren, line: 4 }, [paren])).toBe(true);
+  const unknown = { text: "Variable `a` not found", line: 1 };
+  expect(isFurther(unknown, [paren])).toBe(true);
+  const script = 'a = box(1, 2,  # (\nb = "(("\nc = [1)\n';
+  expect([1, 2, 4].map((line) => openedBefore(script, line))).toEqual([undefined, 1, 1]);
+  expect(withCause(paren, "a = box(1, 2\nb = 3")).toEqual({ ...paren, openedIn: 1 });
+  expect(withCause(paren, "a = box(1, 2)\nb = 3")).toEqual(paren);
+  expect(withCause({ text: "Variable `b` not found", line: 2 }, "a = box(1, 2\nb")).toEqual({ text: "Variable `b` not found", line: 2 });
+});
+
+test("places where the same parts touch are one finding, and each place is named once", () => {
+  const lines = [1, 2] as const;
+  const at = (x: number) => [x, 5, 0] as const;
+  expect(byLines([{ kind: "flush", at: at(5), lines }, { kind: "flush", at: at(5 + 1e-9), lines }, { kind: "flush", at: at(7), lines }, { kind: "tangent", at: at(9) }])).toEqual([
+    { lines, places: [at(5), at(7)] },
+    { lines: undefined, places: [at(9)] },
+  ]);
 });
 
 test("an option is removed from a line with its value, and nothing else", () => {

@@ -1,7 +1,9 @@
 // The line below the picture that always says what is known: the bound and how it is known, faults, what runs, and the scale.
 import { Working, evidenceOf, isKnown, sizeOf } from "../Certificate";
-import { isOutdated } from "../outdated";
+import { isEmpty, isOutdated } from "../outdated";
+import { PANEL_TEXTS } from "../panel_texts";
 import { FaultSaid } from "../Said";
+import { touches } from "../Touching";
 import type { Page } from "../words";
 import type { LayoutControl } from "./layout";
 import { LAYOUT_TEXTS } from "./texts";
@@ -26,6 +28,7 @@ export function Status({ page, control, square, unit }: { page: Page; control: L
             </>
           )}
           {shown && triangles !== undefined && `${bound ? ", " : ""}${texts.triangles(say.whole(triangles))}`}
+          {shown && !isOld && !shown.isDraft && touches(shown.certificate) && ` · ${PANEL_TEXTS[language].touchingShort}`}
           {isOutdated(state) && ` · ${texts.older}`}
         </span>
       </button>
@@ -44,21 +47,30 @@ export function Messages({ page }: { page: Page }) {
   const { bench, fault, notice, shown } = state;
   return (
     <div class="messages">
-      {fault && (
-        <p class="fault" role="alert">
-          <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <FaultSaid fault={fault} language={language} />
-        </p>
+      {(fault || isOutdated(state) || isEmpty(state)) && (
+        <div class="faults">
+          {isEmpty(state) && (
+            <p class="fault" role="alert">
+              {words.noTriangles}
+            </p>
+          )}
+          {fault && (
+            <p class="fault" role="alert">
+              <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <FaultSaid fault={fault} language={language} />
+            </p>
+          )}
+          {state.moreFaults.length > 0 && (
+            <ul class="more-faults" role="status">
+              {state.moreFaults.map((one, i) => (
+                <li key={i}>
+                  <b>{words.atLine(one.line!)}</b> <FaultSaid fault={one} language={language} />
+                </li>
+              ))}
+            </ul>
+          )}
+          {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
+        </div>
       )}
-      {state.moreFaults.length > 0 && (
-        <ul class="more-faults" role="status">
-          {state.moreFaults.map((one, i) => (
-            <li key={i}>
-              <b>{words.atLine(one.line!)}</b> <FaultSaid fault={one} language={language} />
-            </li>
-          ))}
-        </ul>
-      )}
-      {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
       {shown?.bench === bench && shown.leftOut.length > 0 && (
         <p class="note" role="status">
           <code>{shown.leftOut.join(" ")}</code> {LAYOUT_TEXTS[language].leftOut}
