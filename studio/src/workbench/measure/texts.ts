@@ -7,7 +7,7 @@ export interface MeasureTexts {
   tools: Record<Tool | "none", string>;
   /** What to press next, by how many points there are already. */
   ask: Record<Tool, readonly string[]>;
-  wrong: Record<"edge" | "wall" | "radius", string>;
+  wrong: Record<"edge" | "wall" | "radius" | "nothing", string>;
   /** What a result is called. */
   results: Record<Tool | "cylinder", string>;
   diameter(value: string): string;
@@ -40,12 +40,13 @@ export const MEASURE_TEXTS: Record<Language, MeasureTexts> = {
       edge: "There is no edge here.",
       wall: "There is no face here, or nothing behind it.",
       radius: "These three points are on a line.",
+      nothing: "There is nothing here.",
     },
     results: { distance: "Distance", edge: "Edge", angle: "Angle between the faces", wall: "Wall", radius: "Radius of the circle", cylinder: "Radius of the cylinder" },
     diameter: (value) => `diameter ${value}`,
-    basis: (bound, evidence) => `Measured on the mesh, whose points are off by at most ${bound} (${evidence}); so a length between two points is off by at most twice that.`,
+    basis: (bound, evidence) => `± is twice the error of the mesh, ${bound} (${evidence}).`,
     basisUnknown: "Measured on the mesh, whose error is not known.",
-    basisAngle: "The bound limits where points are, and so no angle and no radius: these are of the mesh itself.",
+    basisAngle: "Angles, radii and bent edges are those of the mesh; its bound does not limit them.",
     clear: "Clear",
     keys: "Without a pointer: turn and shift the picture so that the place is under the cross, and press Enter.",
     building: "Getting ready to measure…",
@@ -68,12 +69,13 @@ export const MEASURE_TEXTS: Record<Language, MeasureTexts> = {
       edge: "这里没有边。",
       wall: "这里没有面，或面后没有材料。",
       radius: "这三点在一条直线上。",
+      nothing: "这里什么也没有。",
     },
     results: { distance: "距离", edge: "边长", angle: "两面夹角", wall: "壁厚", radius: "圆的半径", cylinder: "圆柱半径" },
     diameter: (value) => `直径 ${value}`,
-    basis: (bound, evidence) => `在网格上量得。网格上各点的误差至多 ${bound}（${evidence}），因此两点间的长度误差至多为其两倍。`,
+    basis: (bound, evidence) => `± 为网格误差的两倍；网格误差至多 ${bound}（${evidence}）。`,
     basisUnknown: "在网格上量得，网格的误差未知。",
-    basisAngle: "上界只约束点的位置，不约束角度和半径；这里的值属于网格本身。",
+    basisAngle: "角度、半径和弯曲的边按网格本身量得，误差上界不约束它们。",
     clear: "清除",
     keys: "不用指针时：旋转、平移图形，使待测处位于十字下，再按回车。",
     building: "正在准备测量…",

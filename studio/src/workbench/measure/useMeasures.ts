@@ -28,7 +28,7 @@ export interface Measures {
   spots: readonly Spot[];
   hovered: Spot | null;
   results: readonly Result[];
-  wrong: "edge" | "wall" | "radius" | null;
+  wrong: "edge" | "wall" | "radius" | "nothing" | null;
   press(at: Projector, x: number, y: number): void;
   hover(at: Projector, x?: number, y?: number): void;
   /** Clears the points, else the results, else the tool. Returns whether there was something. */
@@ -65,7 +65,7 @@ export function useMeasures(solid: { readonly current: Solid | null }, parts: re
     const of = solid.current;
     if (!tool || !of) return;
     const spot = find(of, at, x, y);
-    if (!spot) return;
+    if (!spot) return setWrong("nothing");
     setWrong(null);
     const all = [...spots, spot];
     const answer = measure(of, tool, all, tolerance);
