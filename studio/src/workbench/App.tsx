@@ -79,6 +79,11 @@ export function App({ language, state, control }: Props) {
       setReveal(site);
     });
   };
+  const show = (site: CallSite) => {
+    if (!layout.isOpen("input")) layout.toggle("input");
+    // A copy, so that the same call is shown again.
+    setReveal({ ...site });
+  };
   const page = { words, say, state, control, language, link: { reveal, moved } };
 
   const findings = isScript(bench) || isVolume(bench) ? null : (inspection?.findings ?? null);
@@ -176,7 +181,7 @@ export function App({ language, state, control }: Props) {
             </p>
           </noscript>
         )}
-        <Stage page={page} marked={marked} layout={layout} covered={covered} step={step} unit={unit} extra={extra} tapped={tapped} chosen={chosen} />
+        <Stage page={page} marked={marked} layout={layout} covered={covered} step={step} unit={unit} extra={extra} tapped={tapped} chosen={chosen} show={show} />
         {/* After the picture, so that keys reach that within ten stops. */}
         <PanelButtons names={names} language={language} control={layout} counts={findings?.length ? { findings: say.whole(findings.length) } : {}} />
         <Panel name="input" language={language} control={layout}>

@@ -59,11 +59,13 @@ interface StageProps {
   extra: readonly Layer[];
   /** The calls of the script whose faces are marked. */
   chosen: readonly CallSite[];
+  /** Shows a call in the script. */
+  show(site: CallSite): void;
   /** A point of a face was pressed while nothing is measured; without one, nothing is to be marked any more. */
   tapped(at?: Vec3, normal?: Vec3): void;
 }
 
-export function Stage({ page, marked, layout, covered, step, unit, extra, chosen, tapped }: StageProps) {
+export function Stage({ page, marked, layout, covered, step, unit, extra, chosen, show, tapped }: StageProps) {
   const { words, state, control, language } = page;
   const { shown, levels, view, home } = state;
   const texts = LAYOUT_TEXTS[language];
@@ -186,6 +188,20 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
       <Measure page={page} setSize={setSize} />
       <div class="over-picture">
         <div class="tools" role="group" aria-label={texts.tools}>
+          <Switch label={words.section} isOn={cut !== null} set={() => setCut(cut ? null : FIRST)} />
+          <select
+            aria-label={measuring.measure}
+            class={measures.tool ? "on" : ""}
+            value={measures.tool ?? ""}
+            onChange={(event) => measures.choose((event.currentTarget.value || null) as Tool | null)}
+          >
+            <option value="">{measures.tool ? measuring.tools.none : `${measuring.measure}…`}</option>
+            {TOOLS.map((value) => (
+              <option key={value} value={value}>
+                {measuring.tools[value]}
+              </option>
+            ))}
+          </select>
           <select aria-label={texts.look} value={look} onChange={(event) => setLook(event.currentTarget.value as Look)}>
             {LOOKS.map((value) => (
               <option key={value} value={value}>
@@ -215,20 +231,6 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
           <Switch label={texts.parallel} isOn={Boolean(view.isParallel)} set={toggleParallel} />
           <Switch label={texts.grid} isOn={hasGrid} set={() => layout.change({ hasGrid: !hasGrid })} />
           <Switch label={texts.sizes} isOn={hasSizes} set={() => layout.change({ hasSizes: !hasSizes })} />
-          <Switch label={words.section} isOn={cut !== null} set={() => setCut(cut ? null : FIRST)} />
-          <select
-            aria-label={measuring.measure}
-            class={measures.tool ? "on" : ""}
-            value={measures.tool ?? ""}
-            onChange={(event) => measures.choose((event.currentTarget.value || null) as Tool | null)}
-          >
-            <option value="">{measures.tool ? measuring.tools.none : `${measuring.measure}…`}</option>
-            {TOOLS.map((value) => (
-              <option key={value} value={value}>
-                {measuring.tools[value]}
-              </option>
-            ))}
-          </select>
         </div>
         {cut && (
           <div class="card section-card">
@@ -261,10 +263,10 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
         )}
         {chosen.length > 0 && (
           <p class="card site" role="status">
-            {chosen.map(({ name, line, from }) => (
-              <span key={from}>
-                {words.atLine(line)} <code>{name}()</code>{" "}
-              </span>
+            {chosen.map((site) => (
+              <button type="button" key={site.from} title={texts.toScript} onClick={() => show(site)}>
+                {words.atLine(site.line)} <code>{site.name}()</code>
+              </button>
             ))}
           </p>
         )}

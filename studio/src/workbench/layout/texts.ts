@@ -32,6 +32,7 @@ export interface LayoutTexts {
   minutesLeft(minutes: string): string;
   asItIs: string;
   said: string;
+  toScript: string;
   /** After an option. */
   leftOut: string;
 }
@@ -70,6 +71,7 @@ export const LAYOUT_TEXTS: Record<Language, LayoutTexts> = {
     minutesLeft: (minutes) => `about ${minutes} min left`,
     asItIs: "The file as it is. Its mesh within the budget is being made.",
     said: "The script says",
+    toScript: "Show it in the script",
     leftOut: "is no option of a mesh, so this one was made without it. It may be one of tiles, pictures or levels.",
   },
   zh: {
@@ -105,6 +107,7 @@ export const LAYOUT_TEXTS: Record<Language, LayoutTexts> = {
     minutesLeft: (minutes) => `约剩 ${minutes} 分钟`,
     asItIs: "这是文件原样；符合预算的网格正在生成。",
     said: "脚本输出",
+    toScript: "在脚本中显示",
     leftOut: "不是网格的选项，这个网格没有用它；它可能属于瓦片、图片或细节层次。",
   },
 };
