@@ -23,9 +23,7 @@ export function Inputs({ page }: { page: Page }) {
   const picker = useRef<HTMLInputElement>(null);
   return (
     <section class="inputs" aria-label={words.file}>
-      <ShelfBar page={page} />
-      <CarriedNote page={page} />
-      <div class="row tight">
+      <ShelfBar page={page}>
         <button type="button" onClick={() => picker.current?.click()}>
           {words.open}
         </button>
@@ -47,7 +45,8 @@ export function Inputs({ page }: { page: Page }) {
         <button type="button" disabled={!state.future.length} aria-label={words.redo} title={words.redo} onClick={() => control?.redo()}>
           ↷
         </button>
-      </div>
+      </ShelfBar>
+      <CarriedNote page={page} />
       {isScript(bench) ? (
         <Script page={page} />
       ) : (
@@ -77,12 +76,9 @@ function Printed({ page }: { page: Page }) {
   if (!said.length || !isScript(state.bench)) return null;
   const texts = LAYOUT_TEXTS[language];
   return (
-    <div class="printed">
-      <h3>{texts.said}</h3>
-      <pre class="said" tabIndex={0} aria-label={texts.said}>
-        {said.map(({ message }) => message).join("\n")}
-      </pre>
-    </div>
+    <pre class="said" tabIndex={0} aria-label={texts.said}>
+      {said.map(({ message }) => message).join("\n")}
+    </pre>
   );
 }
 
@@ -96,33 +92,35 @@ function Parameters({ page }: { page: Page }) {
   const set = (name: string, value: number, isDragging: boolean) =>
     control?.put({ ...bench, set: { ...bench.set, [name]: String(value) } }, isDragging);
   return (
-    <fieldset class="parameters" onChange={() => control?.rest()}>
-      <legend>{words.parameters}</legend>
-      {parameters.map(({ name, default: usual }) => {
-        const value = Number(bench.set[name] ?? usual);
-        const [low, high] = usual === 0 ? [-1, 1] : usual > 0 ? [0, REACH * usual] : [REACH * usual, 0];
-        const step = Number.isInteger(usual) && Math.abs(usual) >= WHOLE ? 1 : Number(((high - low) / STEPS).toPrecision(1));
-        return (
-          <Slider
-            key={name}
-            id={`param-${name}`}
-            label={name}
-            shown={say.number(value)}
-            spoken={`${name} ${value}`}
-            low={Math.min(low, value)}
-            high={Math.max(high, value)}
-            step={step}
-            value={value}
-            choose={(next) => set(name, next, true)}
-          />
-        );
-      })}
-      {isChanged && (
-        <button type="button" onClick={() => control?.put({ ...bench, set: {} })}>
-          {words.reset}
-        </button>
-      )}
-    </fieldset>
+    <details class="parameters-fold" open>
+      <summary>{words.parameters}</summary>
+      <fieldset class="parameters" aria-label={words.parameters} onChange={() => control?.rest()}>
+        {parameters.map(({ name, default: usual }) => {
+          const value = Number(bench.set[name] ?? usual);
+          const [low, high] = usual === 0 ? [-1, 1] : usual > 0 ? [0, REACH * usual] : [REACH * usual, 0];
+          const step = Number.isInteger(usual) && Math.abs(usual) >= WHOLE ? 1 : Number(((high - low) / STEPS).toPrecision(1));
+          return (
+            <Slider
+              key={name}
+              id={`param-${name}`}
+              label={name}
+              shown={say.number(value)}
+              spoken={`${name} ${value}`}
+              low={Math.min(low, value)}
+              high={Math.max(high, value)}
+              step={step}
+              value={value}
+              choose={(next) => set(name, next, true)}
+            />
+          );
+        })}
+        {isChanged && (
+          <button type="button" onClick={() => control?.put({ ...bench, set: {} })}>
+            {words.reset}
+          </button>
+        )}
+      </fieldset>
+    </details>
   );
 }
 
@@ -149,7 +147,7 @@ function BudgetBar({ page }: { page: Page }) {
           inputMode={budget.by === "tol" ? "text" : "decimal"}
           enter={(text) => put({ [budget.by]: text })}
         />
-        <span class="aside">{hint}</span>
+        <span class={`aside${budget.by === "px" ? "" : " when-entered"}`}>{hint}</span>
       </label>
     </div>
   );

@@ -1,19 +1,21 @@
 // The shelf: the name of the script, and a dialogue with the scripts that this browser keeps and the examples.
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type Bench, bench, isScript } from "./document";
 import { EXAMPLES, PICTURE, example, pictureOf } from "./examples";
 import { PANEL_TEXTS } from "./panel_texts";
 import { type Kept, MOST, cleaned } from "./shelf";
 import { type Saving, choose, remember, save, savesInPlace } from "./star_files";
-import type { Page } from "./words";
 import { TextField } from "./TextField";
+import type { Page } from "./words";
 
 /** A new script, which is a shape at once. */
 const BLANK = "box(20, 10, 5)\n";
 /** The limit of the shelf, as readers see it. */
 const LIMIT = `${MOST / 1e6} MB`;
 
-export function ShelfBar({ page }: { page: Page }) {
+/** With the buttons that stand beside that of the shelf. */
+export function ShelfBar({ page, children }: { page: Page; children: ComponentChildren }) {
   const { state, control, language } = page;
   const words = PANEL_TEXTS[language];
   const dialog = useRef<HTMLDialogElement>(null);
@@ -55,8 +57,11 @@ export function ShelfBar({ page }: { page: Page }) {
         <button type="button" data-shelf="open" onClick={() => dialog.current?.showModal()}>
           {words.shelf}
         </button>
-        {isScript(current) &&
-          (kept ? (
+        {children}
+      </div>
+      {isScript(current) && (
+        <div class="row tight shelf-script">
+          {kept ? (
             <>
               <label class="field shelf-name">
                 {words.scriptName}
@@ -74,16 +79,18 @@ export function ShelfBar({ page }: { page: Page }) {
               </button>
             </>
           ) : (
-            <button type="button" data-shelf="keep" onClick={() => keep(current)}>
-              {words.keep}
-            </button>
-          ))}
-      </div>
-      {isScript(current) && (
-        <p class="aside shelf-place" role="status">
-          {kept && kept.saved !== kept.text && <span aria-hidden="true">● </span>}
-          {saving === "refused" ? words.saveRefused : place}
-        </p>
+            <>
+              <b class="shelf-name">{current.name}</b>
+              <button type="button" data-shelf="keep" onClick={() => keep(current)}>
+                {words.keep}
+              </button>
+            </>
+          )}
+          <p class="aside shelf-place" role="status">
+            {kept && kept.saved !== kept.text && <span aria-hidden="true">● </span>}
+            {saving === "refused" ? words.saveRefused : place}
+          </p>
+        </div>
       )}
       {shelf?.state.fault && (
         <p class="fault" role="alert">

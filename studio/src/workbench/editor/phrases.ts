@@ -24,8 +24,8 @@ export interface EditorPhrases {
 export const EDITOR_PHRASES: Record<Language, EditorPhrases> = {
   en: {
     keys: "Tab leaves the editor. Alt with arrow up or down changes the number at the cursor, with Shift ten times as much. Control and space completes a name. F8 goes to the error.",
-    hint: "Drag a number to the left or right, or change it with Alt + ↑ ↓. Ctrl + Space completes names.",
-    hintForTouch: "Drag a number to the left or right, or tap it and change it with − and +.",
+    hint: "Drag a number, or press Alt + ↑ ↓. Ctrl + Space completes.",
+    hintForTouch: "Drag a number, or tap it for − and +.",
     gap: " ",
     asDistance: (worth) => `The value is: ${worth}.`,
     line: (n) => `Line ${n}`,
@@ -38,8 +38,8 @@ export const EDITOR_PHRASES: Record<Language, EditorPhrases> = {
   },
   zh: {
     keys: "按 Tab 键离开编辑器。按住 Alt 再按上、下方向键，可改变光标处的数字；同时按住 Shift，步长变为十倍。Ctrl 加空格补全名称。F8 跳到出错处。",
-    hint: "左右拖动数字，或按 Alt + ↑ ↓ 改变它。Ctrl + 空格补全名称。",
-    hintForTouch: "左右拖动数字，或点一下数字，再用 − 和 + 改变它。",
+    hint: "拖动数字，或按 Alt + ↑ ↓。Ctrl + 空格补全。",
+    hintForTouch: "拖动数字，或点一下再用 − 和 + 改变。",
     gap: "",
     asDistance: (worth) => `函数值作为距离：${worth}。`,
     line: (n) => `第 ${n} 行`,

@@ -26,7 +26,7 @@ const KEY = "chordal workbench";
 const LIMITS = { left: [260, 640, 0.6], rightWidth: [240, 560, 0.5], sheet: [120, 900, 0.72] } as const;
 export type Side = keyof typeof LIMITS;
 
-const FIRST: Layout = { isLeftOpen: true, right: null, left: 380, rightWidth: 320, sheet: 340, hasGrid: true, hasSizes: true };
+const FIRST: Layout = { isLeftOpen: true, right: null, left: 440, rightWidth: 320, sheet: 400, hasGrid: true, hasSizes: true };
 
 export const isPhone = () => typeof matchMedia === "function" && matchMedia(PHONE).matches;
 
