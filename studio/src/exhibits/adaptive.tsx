@@ -111,14 +111,14 @@ const texts: Record<Language, Texts> = {
     scenes: { teapot: "茶壶", landscape: "山前的茶壶" },
     budget: "弦允许的误差",
     pixels: (n) => `${n} 像素`,
-    cuts: "三角形顺应",
+    cuts: "三角形按什么加密",
     cut: { bends: "弯曲", near: "远近", outline: "轮廓线" },
     label: "三角形数",
     meaning: ({ cuts }, px, elsewhere) =>
       !cuts.includes("bends")
         ? "每个曲面片都切成同样多的单元：由最难的一片决定。"
         : `${cuts.includes("near") ? `画面上每一处的误差都在 ${px}以内` : `处处用同一个长度：最近处的 ${px}`}${
-            cuts.includes("outline") ? `；没有轮廓线的地方放宽到 ${elsewhere}倍。` : "。"
+            cuts.includes("outline") ? `；没有轮廓线的地方放宽到 ${elsewhere} 倍。` : "。"
           }`,
     steps: "从这里看所需的三角形（试过的才列出）",
     ladder: ["等分", "加上弯曲", "加上远近", "加上轮廓线"],

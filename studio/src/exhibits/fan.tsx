@@ -173,7 +173,7 @@ const texts: Record<Language, Texts> = {
     complete: (corners, needed) => `完成。${corners} 个顶点总是得到 ${needed} 个三角形，选哪几条对角线都一样。`,
     stuck: "多边形与自身相交：没有一个说得清的内部可以填。",
     fanWorks: "三角形方向一致，恰好铺满多边形。",
-    fanFails: (n) => `有 ${n} 个三角形方向相反：它们伸到多边形外面，与别的三角形重叠。`,
+    fanFails: (n) => `有 ${n} 个三角形方向相反：它们伸到多边形外面，或与别的三角形重叠。`,
     earsWork: (needed) => `${needed} 个三角形，没有一个翻折：不自交的多边形总有“耳朵”可切。`,
     crosses: "多边形与自身相交，总会有三角形翻折。",
     corners: "顶点数",

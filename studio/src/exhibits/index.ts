@@ -26,7 +26,7 @@ export const EXHIBITS: readonly Entry[] = [
   {
     id: "quad",
     part: 1,
-    title: { en: "Three corners or four", zh: "三个角还是四个角" },
+    title: { en: "Three corners or four", zh: "三个顶点还是四个顶点" },
     claim: {
       en: "Three points always lie in one plane. A fourth can leave it.",
       zh: "三点必共面，第四点却可以离开这个平面。",
@@ -219,14 +219,14 @@ export const EXHIBITS: readonly Entry[] = [
     title: { en: "Pull the cage", zh: "拉动控制网格" },
     claim: {
       en: "A corner of the cage moves most the surface near it: on a cube, by three eighths of its way.",
-      zh: "网格的一个顶点主要牵动近旁的曲面：在立方体上，走它的八分之三。",
+      zh: "控制网格的一个顶点，牵动最多的是近旁的曲面：在立方体上，曲面走它的八分之三。",
     },
     load: () => import("./pull"),
   },
   {
     id: "field",
     part: 4,
-    title: { en: "A rule instead of a list", zh: "用规则代替列表" },
+    title: { en: "A rule instead of a list", zh: "用规则代替清单" },
     claim: {
       en: "One value of a field gives the side by its sign and the distance by its size; a mesh has to be searched.",
       zh: "场用一个符号分出内外，用一个值给出距离；网格则要搜索。",
@@ -266,10 +266,10 @@ export const EXHIBITS: readonly Entry[] = [
   {
     id: "tracing",
     part: 4,
-    title: { en: "Rays that leap", zh: "跳跃的射线" },
+    title: { en: "Rays that leap", zh: "跳着走的射线" },
     claim: {
       en: "The value is a safe step, so rays leap; rays that graze the surface take many steps.",
-      zh: "场的值就是安全的步长，所以射线可以跳跃；掠过表面的要走很多步。",
+      zh: "场的值就是安全的步长，所以射线可以跳着走；掠过表面的要走很多步。",
     },
     load: () => import("./tracing"),
   },
@@ -279,7 +279,7 @@ export const EXHIBITS: readonly Entry[] = [
     title: { en: "From samples to lines", zh: "从样本到线" },
     claim: {
       en: "A lattice of samples cuts sharp corners off; a mesher that knows the parts keeps them.",
-      zh: "格点采样会切掉尖角；知道形状由哪些部分组成的网格化能保住它。",
+      zh: "格点采样会切掉尖角；网格化算法若知道形状由哪些部分组成，就能保住它。",
     },
     load: () => import("./squares"),
   },
@@ -296,7 +296,7 @@ export const EXHIBITS: readonly Entry[] = [
   {
     id: "network",
     part: 4,
-    title: { en: "A rule that was learned", zh: "学来的规则" },
+    title: { en: "A rule that was learned", zh: "学出来的规则" },
     claim: {
       en: "A network’s occupancy says on which side a point is, and not how far away the surface is.",
       zh: "网络的占据值说得出一点在哪一侧，说不出表面有多远。",
@@ -309,7 +309,7 @@ export const EXHIBITS: readonly Entry[] = [
     title: { en: "There and back", zh: "一来一回" },
     claim: {
       en: "A mesh baked to a grid and back: each way has a proved bound, and the two add up.",
-      zh: "网格烘焙成距离采样再转换回来：每一程都有已证明的上界，两者相加。",
+      zh: "网格烘焙到格点上，再转换回来：每一程都有已证明的上界，两者相加。",
     },
     load: () => import("./baking"),
   },
@@ -339,7 +339,7 @@ export const EXHIBITS: readonly Entry[] = [
     title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
     claim: {
       en: "The error that matters is on the screen: from ten times as far, a small part of the triangles keeps it below a pixel.",
-      zh: "要紧的是屏幕上的误差：距离十倍，一小部分三角形就能让它不到一个像素。",
+      zh: "要紧的是屏幕上的误差：远到十倍，只用一小部分三角形，误差就不到一个像素。",
     },
     load: () => import("./levels"),
   },

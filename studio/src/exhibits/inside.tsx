@@ -85,7 +85,7 @@ const texts: Record<Language, Texts> = {
     winding: "顶点次序",
     ccw: "逆时针",
     cw: "顺时针",
-    label: "有几条边的左侧含这个点",
+    label: "点在几条边的左侧",
     of: (n) => `3 条中的 ${n} 条`,
     edge: (name) => `边函数 ${name}`,
     side: { left: "左侧", on: "在直线上", right: "右侧" },

@@ -16,7 +16,7 @@ export const ZH: LessonText = {
     exhibits: "展品",
     bench: "工作台",
     workbench: "工作台：换上你自己的形状",
-    widget: "小实验：多少段看起来才光滑？",
+    widget: "小实验：要分多少段，曲线看起来才光滑？",
     begin: "开始：半小时",
     distance: "离你多远",
     seenFrom: (distance, pixels) => `从 ${distance} 外看到的样子，宽 ${pixels} 像素`,
@@ -46,7 +46,7 @@ export const ZH: LessonText = {
     answerOf: "参考答案",
     yourAnswer: "用你自己的话写",
     seeFigure: "去看图",
-    footer: "这里的每个数字都由 Chordal 的核心算出，命令行和程序库用的是同一份代码。什么都不会发送出去。没有 JavaScript 时图形静止，文字照样可读。",
+    footer: "这里的每个数字都由 Chordal 的核心算出，命令行和程序库用的是同一份代码。任何数据都不会发送出去。没有 JavaScript 时图形静止，文字照样可读。",
   },
   hero: {
     question: "画一个茶壶，要多少个三角形？",
@@ -81,14 +81,14 @@ export const ZH: LessonText = {
       title: "三点必共面",
       text: (
         <p>
-          不共线的三个点，随你怎么放，过它们的平面恰好一个。所以三角形总是<Term id="planar">平</Term>的：法线只有一条，内部只有一种。第四个角却可以翘出去。把 D
-          抬起来，四个角之间夹着什么样的面，就说不清了。
+          不共线的三个点，随你怎么放，过它们的平面恰好一个。所以三角形总是<Term id="planar">平</Term>的：法线只有一条，内部只有一种。第四个顶点却可以翘出去。把 D
+          抬起来，四个顶点之间夹着什么样的面，就说不清了。
         </p>
       ),
       after: (
         <p>
           把它抬到 <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="D 的高度" />
-          ，两条对角线的中点便隔开这个高度的一半。文件里只存了四个角，并没有存下作者想要的是哪一张面。四边形好摆弄，所以造型时照用不误；到了屏幕之前，流水线再悄悄把它们一分为二。
+          ，两条对角线的中点便隔开这个高度的一半。文件里只存了四个顶点，并没有存下作者想要的是哪一张面。四边形好摆弄，所以造型时照用不误；送上屏幕之前，渲染管线再悄悄把它们一分为二。
         </p>
       ),
     },
@@ -104,7 +104,7 @@ export const ZH: LessonText = {
             E(p) = (b<sub>x</sub> − a<sub>x</sub>)(p<sub>y</sub> − a<sub>y</sub>) − (b<sub>y</sub> − a<sub>y</sub>)(p<sub>x</sub> − a<sub>x</sub>)
           </Formula>
           <p>
-            把点拖过一条边，<Set figure="inside" to={{ probe: [9.4, 5.6] }}>到外面去</Set>，只有一个符号会变。倒过来写三个角的次序，三个符号就一起翻转。
+            把点拖过一条边，<Set figure="inside" to={{ probe: [9.4, 5.6] }}>到外面去</Set>，只有一个符号会变。把三个顶点的次序倒过来，三个符号就一起翻转。
           </p>
         </>
       ),
@@ -123,14 +123,14 @@ export const ZH: LessonText = {
       text: (
         <>
           <p>
-            三个边函数各除以总面积，得到三个<Term id="barycentric">重心坐标</Term>，它们的和是一。角上存着什么都行，颜色、法线、纹理上的位置，都按这三个权重混合，而且混法只有一种：
+            三个边函数各除以总面积，得到三个<Term id="barycentric">重心坐标</Term>，它们的和是一。顶点上存着什么都行，颜色、法线、纹理上的位置，都按这三个权重混合，而且混法只有一种：
           </p>
           <Formula>
             p = w₀a + w₁b + w₂c,&ensp; w₀ + w₁ + w₂ = 1
           </Formula>
           <p>
-            换成<Set figure="weights" to={{ corners: "4" }}>四个角</Set>就没有这样的混法了：中间是什么颜色，要看对角线当初怎么连。再换回
-            <Set figure="weights" to={{ corners: "3" }}>三个角</Set>。
+            换成<Set figure="weights" to={{ corners: "4" }}>四个顶点</Set>就没有这样的混法了：中间是什么颜色，要看对角线当初怎么连。再换回
+            <Set figure="weights" to={{ corners: "3" }}>三个顶点</Set>。
           </p>
         </>
       ),
@@ -148,7 +148,7 @@ export const ZH: LessonText = {
       title: "什么也没丢",
       text: (
         <p>
-          凸的 n 边形，从一个角出发，可以扇形地分成 n − 2 个三角形；再曲折的简单多边形，也有<Term id="triangulation">三角剖分</Term>，不多不少，同样是 n − 2
+          凸的 n 边形，从一个顶点出发，可以呈扇形分成 n − 2 个三角形；再曲折的简单多边形，也有<Term id="triangulation">三角剖分</Term>，不多不少，同样是 n − 2
           个。因此只谈三角形，就什么都谈到了。
         </p>
       ),
@@ -157,7 +157,7 @@ export const ZH: LessonText = {
       title: "每个顶点只存一次",
       text: (
         <p>
-          眼前的茶壶由 {say.whole(facts.indexed.triangles)} 个三角形组成。逐个写出来，每个都得带上三个角：九个数，36 字节。可是相邻的三角形本来就共用顶点。
+          眼前的茶壶由 {say.whole(facts.indexed.triangles)} 个三角形组成。逐个写出来，每个都得带上自己的三个顶点：九个数，36 字节。可是相邻的三角形本来就共用顶点。
         </p>
       ),
       after: (
@@ -205,7 +205,7 @@ export const ZH: LessonText = {
       text: (
         <>
           <p>
-            从正面看，三个角按逆时针排列，这就是<Term id="winding">环绕方向</Term>。封闭的形状，你看到的只有正面，于是<Term id="culling">背面剔除</Term>
+            从正面看，三个顶点按逆时针排列，这就是<Term id="winding">环绕方向</Term>。封闭的形状，你看到的只有正面，于是<Term id="culling">背面剔除</Term>
             把背对视点的三角形全部跳过，大约省去一半，而且是在碰到任何像素之前。
           </p>
           <p>
@@ -249,7 +249,7 @@ export const ZH: LessonText = {
       title: "为什么不用一个高次多项式",
       text: (
         <p>
-          过十一个点，恰好有一个不超过十次的多项式。每个点它都经过，两点之间却可能荡得很远，这就是<Term id="runge">龙格现象</Term>。
+          过十一个点，恰好有一个不超过十次的多项式。每个点它都经过，两点之间却可能振荡到很远，这就是<Term id="runge">龙格现象</Term>。
         </p>
       ),
       after: (
@@ -303,8 +303,8 @@ export const ZH: LessonText = {
       title: "多少段看起来才光滑？",
       text: (
         <p>
-          把光滑的形状变成一段段直的，叫做<Term id="tessellation">曲面细分成三角形</Term>；放到平面上，问题就成了这样：曲线上两点之间连一条<Term id="chord">弦</Term>
-          ，曲线与弦之间有一点空隙，小于半个像素，谁也看不见。把这条曲线按参数等分：
+          把光滑的形状变成一段段直的，叫做<Term id="tessellation">曲面细分</Term>；放到平面上，问题就成了这样：曲线上两点之间连一条<Term id="chord">弦</Term>
+          ，曲线离弦最远有多远，就是弦高误差；小于半个像素，谁也看不见。把这条曲线按参数等分：
         </p>
       ),
       after: (
@@ -370,14 +370,14 @@ export const ZH: LessonText = {
       title: "回到三角形",
       text: (
         <p>
-          硬件只画三角形，场也得变过去。先在格点上采样；再看每个单元的角哪些在里面，两端不同的边上放一个顶点：这就是<Term id="marching-cubes">移动立方体</Term>
-          ，平面上叫移动正方形。尖角会被切掉，除非网格化知道形状由哪些部分组成，把顶点放到<Set figure="squares" to={{ method: "corners" }}>它们相交的地方</Set>。
+          硬件只画三角形，场也得变过去。先在格点上采样；再看每个单元的顶点哪些在里面，两端不同的边上放一个顶点：这就是<Term id="marching-cubes">移动立方体</Term>
+          ，平面上叫移动正方形。尖角会被切掉，除非网格化算法知道形状由哪些部分组成，把顶点放到<Set figure="squares" to={{ method: "corners" }}>它们相交的地方</Set>。
         </p>
       ),
     },
     cubes: {
       title: "一个单元一个单元，整张曲面",
-      text: <p>到了空间里，一个单元八个角，共 256 种情形。逐个走完，一张曲面就出来了，而且天生封闭：公共的边上有没有顶点、在哪里，相邻的单元算出来是一样的。</p>,
+      text: <p>到了空间里，一个单元八个顶点，共 256 种情形。逐个走完，一张曲面就出来了，而且天生封闭：公共的边上有没有顶点、在哪里，相邻的单元算出来是一样的。</p>,
     },
     network: {
       title: "学出来的规则",
@@ -514,7 +514,7 @@ export const ZH: LessonText = {
       options: { up: "往上", down: "往下", both: "都有可能" },
       answer: (
         <>
-          要看对角线怎么连。连这一条，中间是脊；连那一条，中间是谷；四个角自己并没有说。现在 D 离另外三点的平面 {say.number(facts.bulge)}。
+          要看对角线怎么连。连这一条，中间是脊；连那一条，中间是谷；四个顶点自己并没有说。现在 D 离另外三点的平面 {say.number(facts.bulge)}。
         </>
       ),
     },
@@ -523,7 +523,7 @@ export const ZH: LessonText = {
       unit: "个",
       answer: (
         <>
-          这里是 {say.number(facts.indexed.triangles_per_vertex)} 个。封闭的大网格都接近六个：顶点数约是三角形数的一半，而每个三角形有三个角。
+          这里是 {say.number(facts.indexed.triangles_per_vertex)} 个。封闭的大网格都接近六个：顶点数约是三角形数的一半，而每个三角形用到三个顶点。
         </>
       ),
     },
@@ -565,7 +565,7 @@ export const ZH: LessonText = {
       options: { teapot: "茶壶", same: "差不多", mountain: "山" },
       answer: (
         <>
-          茶壶：{say.whole(facts.levels.near.teapot)} 个，山只要 {say.whole(facts.levels.near.mountain)} 个，尽管山比茶壶宽一万五千倍。
+          茶壶：{say.whole(facts.levels.near.teapot)} 个，山只要 {say.whole(facts.levels.near.mountain)} 个，尽管山的宽度是茶壶的一万五千倍。
         </>
       ),
     },
@@ -577,14 +577,14 @@ export const ZH: LessonText = {
     convex: { word: "凸", gloss: "任取其中两点，连线都不会跑出去。三角形总是凸的，多边形则不一定。" },
     "edge-function": { word: "边函数", formula: <>E(p) = (b − a) × (p − a)</>, gloss: "a、b、p 构成的三角形有向面积的两倍；p 在从 a 到 b 的边左侧时为正。" },
     rasterization: { word: "光栅化", gloss: "在像素中心求三个边函数的值，定出三角形覆盖哪些像素。" },
-    barycentric: { word: "重心坐标", formula: <>p = w₀a + w₁b + w₂c, w₀ + w₁ + w₂ = 1</>, gloss: "把一个点写成三个角的混合，写法唯一。在内部，三个权重都为正。" },
-    uv: { word: "UV 坐标", gloss: "每个角上的两个数，说明那里对应图片的哪个位置。" },
-    triangulation: { word: "三角剖分", formula: <>n 个角，n − 2 个三角形</>, gloss: "用对角线把多边形分成三角形。简单多边形总能这样分。" },
+    barycentric: { word: "重心坐标", formula: <>p = w₀a + w₁b + w₂c, w₀ + w₁ + w₂ = 1</>, gloss: "把一个点写成三个顶点的混合，写法唯一。在内部，三个权重都为正。" },
+    uv: { word: "UV 坐标", gloss: "每个顶点上的两个数，说明那里对应图片的哪个位置。" },
+    triangulation: { word: "三角剖分", formula: <>n 个顶点，n − 2 个三角形</>, gloss: "用对角线把多边形分成三角形。简单多边形总能这样分。" },
     "vertex-buffer": { word: "顶点缓冲", formula: <>12 字节：x、y、z，各 32 位浮点数</>, gloss: "顶点的清单，每个顶点连同它的属性只存一次。" },
     "index-buffer": { word: "索引缓冲", formula: <>6 字节：三个 16 位整数</>, gloss: "每个三角形记三个顶点的编号。" },
     normal: { word: "法线", formula: <>n = normalize((v₁ − v₀) × (v₂ − v₀))</>, gloss: "垂直于表面的单位向量，光照由它算出。" },
     shading: { word: "平直着色与平滑着色", gloss: "前者每个面一条法线；后者每个顶点一条，在面内插值。" },
-    winding: { word: "环绕方向", gloss: "三角形三个角的次序。约定从正面看是逆时针。" },
+    winding: { word: "环绕方向", gloss: "三角形三个顶点的次序。约定从正面看是逆时针。" },
     culling: { word: "背面剔除", formula: <>n · (eye − p) &lt; 0 则跳过</>, gloss: "不画背对视点的三角形；形状封闭时，它们总被挡住。" },
     manifold: { word: "流形", formula: <>每条边：两个三角形</>, gloss: "任何一点附近看起来都像一个圆盘。再加上封闭，就有了内部。" },
     "t-junction": { word: "T 形接点", gloss: "顶点落在邻居的边上，而邻居没有这个顶点。舍入误差会在那里撕开一道缝。" },
@@ -613,13 +613,13 @@ export const ZH: LessonText = {
       gloss: "权重是两条曲线权重之积的曲面。双三次曲面片有 4 × 4 个控制点。",
     },
     subdivision: { word: "细分曲面", formula: <>每次面数 × 4</>, gloss: "把控制网格的面一分再分、顶点反复取平均，所趋近的极限。" },
-    tessellation: { word: "曲面细分成三角形（tessellation）", gloss: "把光滑的形状变成三角形，或把曲线变成线段。" },
-    chord: { word: "弦", formula: <>空隙 ≤ max|c″| h² / 8</>, gloss: "曲线上两点间的直线段。步长 h 减半，空隙剩四分之一。" },
+    tessellation: { word: "曲面细分（tessellation）", gloss: "把光滑的形状变成三角形，或把曲线变成线段。也译作镶嵌；与细分曲面是两回事。" },
+    chord: { word: "弦", formula: <>弦高误差 ≤ max|c″| h² / 8</>, gloss: "曲线上两点间的直线段。步长 h 减半，弦高误差剩四分之一。" },
     "signed-distance": { word: "有向距离", formula: <>f(p) = |p| − r</>, gloss: "到表面最近点的距离，内部取负。" },
     gradient: { word: "梯度", formula: <>∇f = (∂f/∂x, ∂f/∂y, ∂f/∂z)</>, gloss: "场增长最快的方向。距离场的梯度长度为 1，在表面上就是法线。" },
     "sphere-tracing": { word: "球面追踪", formula: <>t ← t + f(eye + t · way)</>, gloss: "沿射线前进，每步的长度由场保证安全。" },
     csg: { word: "构造实体几何（CSG）", formula: <>min(a, b), max(a, b), max(a, −b)</>, gloss: "用简单实体的并、交、差造出复杂的实体。" },
-    "marching-cubes": { word: "移动立方体", formula: <>2⁸ = 256 种情形</>, gloss: "由场的样本得到三角形：一次一个单元，看各个角的符号。" },
+    "marching-cubes": { word: "移动立方体", formula: <>2⁸ = 256 种情形</>, gloss: "由场的样本得到三角形：一次一个单元，看各个顶点的符号。" },
     occupancy: { word: "占据", formula: <>o(p) ∈ [0, 1]，表面在 ½ 处</>, gloss: "有多大把握说一点在里面；视觉网络学的就是它。" },
     baking: { word: "烘焙", gloss: "把场的值一次算好，存到格点上。" },
     overshading: { word: "过度着色", formula: <>实际着色次数 ÷ 覆盖的像素数</>, gloss: "硬件按 2 × 2 的块着色，三角形没有覆盖到的像素也白白算了一遍。" },
@@ -636,7 +636,7 @@ export const ZH: LessonText = {
         ask: "为什么是三角形？",
         answer: (
           <>
-            三点必共面，围成的必是凸的，角上的东西只有一种混法。第四点可以离开平面，这里离开了 {say.number(facts.bulge)}；这时面是什么样，取决于一条没人存下来的对角线。
+            三点必共面，围成的必是凸的，顶点上的东西只有一种混法。第四点可以离开平面，这里离开了 {say.number(facts.bulge)}；这时面是什么样，取决于一条没人存下来的对角线。
           </>
         ),
         figure: "plane",
@@ -654,7 +654,7 @@ export const ZH: LessonText = {
         ask: "环绕方向记下了什么？背面剔除为什么离不开它？",
         answer: (
           <>
-            记下哪一面是正面：从那边看，三个角是逆时针的。剔除跳过背对视点的三角形，这个球上有 {say.percent(facts.culling.back_share)}；它只认次序，绕反一个，就是一个孔。
+            记下哪一面是正面：从那边看，三个顶点是逆时针的。剔除跳过背对视点的三角形，这个球上有 {say.percent(facts.culling.back_share)}；它只认次序，绕反一个，就是一个孔。
           </>
         ),
         figure: "winding",
@@ -662,7 +662,7 @@ export const ZH: LessonText = {
       joins: {
         ask: "C0、C1、C2 是什么？为什么要许多段低次曲线？",
         answer: (
-          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它，反射只需曲率连续。一个高次多项式会振荡，一点动，处处动；短的低次曲线安稳，互不牵连。</>
+          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它，反射只需曲率连续（G2）。一个高次多项式会振荡，一点动，处处动；短的低次曲线安稳，互不牵连。</>
         ),
         figure: "joins",
       },

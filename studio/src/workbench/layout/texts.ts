@@ -76,13 +76,13 @@ export const LAYOUT_TEXTS: Record<Language, LayoutTexts> = {
   },
   zh: {
     panels: "面板",
-    panel: { input: "脚本与预算", certificate: "证书", findings: "问题", beside: "场", change: "修改", export: "导出" },
-    short: { input: "脚本", certificate: "证书", findings: "问题", beside: "场", change: "修改", export: "导出" },
+    panel: { input: "脚本与预算", certificate: "证书", findings: "缺陷", beside: "场", change: "修改", export: "导出" },
+    short: { input: "脚本", certificate: "证书", findings: "缺陷", beside: "场", change: "修改", export: "导出" },
     close: "关闭",
     resize: {
       input: "脚本面板的大小",
       certificate: "证书面板的大小",
-      findings: "问题面板的大小",
+      findings: "缺陷面板的大小",
       beside: "场面板的大小",
       change: "修改面板的大小",
       export: "导出面板的大小",
