@@ -1,5 +1,6 @@
 // The script in an editor, which is loaded on demand; until then, or if that fails, in a plain text field.
 import { useEffect, useRef, useState } from "preact/hooks";
+import { faultIn } from "./command_zh";
 import { textOf } from "./document";
 import type { ScriptEditor } from "./editor";
 import type { Page } from "./words";
@@ -47,7 +48,10 @@ export function Script({ page }: { page: Page }) {
     const { fault, moreFaults } = state;
     const placed = (fault ? [fault, ...moreFaults] : []).filter(({ line }) => line !== undefined);
     editor.current?.setErrors(
-      placed.map(({ line, column, text: message }) => ({ line: line!, message, ...(column ? { column } : {}) })),
+      placed.map((one) => {
+        const { text: message, lang } = faultIn(language, one);
+        return { line: one.line!, message, ...(lang ? { lang } : {}), ...(one.column ? { column: one.column } : {}) };
+      }),
     );
   }, [state.fault, state.moreFaults, isLoaded]);
 

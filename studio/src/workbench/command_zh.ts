@@ -2,6 +2,7 @@
 // gives for each. A sentence whose code has no translation stays English.
 import { cureTexts } from "../core/cures";
 import { ERRORS } from "./errors_zh";
+import { chineseOf } from "./sentences";
 import type { Language } from "./texts";
 
 /** A text, with its language if that is not the page's. */
@@ -57,7 +58,7 @@ export const MEANINGS: Record<string, string | ((values: Values) => string)> = {
   duplicate_faces: "两个三角形占同一位置，像素会闪烁。",
   duplicate_vertices: "曲面在坐标相同的点之间断开。",
   collapsed_faces: "两个角是同一个顶点，面积为零。",
-  zero_area_faces: "三个角在一条直线上，没有法线。",
+  zero_area_faces: "三个顶点在一条直线上，没有法线。",
   slivers: "长度超过高的 100 倍，法线不可靠。",
   unused_vertices: "没有三角形用到它。",
   "filling-may-cross": "填补的三角形可能穿过曲面，补后请检查自相交。",
@@ -67,7 +68,7 @@ export const MEANINGS: Record<string, string | ((values: Values) => string)> = {
 /** What to do about a finding that no repair mends. */
 export const ADVICE: Record<string, string> = {
   self_intersections: "请在制作它的程序中把它们移开，或并成一个实体；环绕数仍能判断内外。",
-  slivers: "若有原来的形状，请重新网格化；光滑法线比平面法线可靠。",
+  slivers: "若有原来的形状，请重新网格化；平滑法线比平直法线可靠。",
   inconsistent_edges: "曲面只有一侧，如莫比乌斯带：请把它剪开，或两面都绘制。",
   boundary_edges: "只有一侧的曲面无法封闭：先剪开，使它有两侧，再补孔。",
   duplicate_vertices: "请保留：焊接后曲面会在那里分叉或相接。",
@@ -108,7 +109,7 @@ export const STAGES: Record<string, string> = {
   rasterize: "光栅化",
   render: "渲染",
   surface: "提取表面",
-  tessellate: "细分",
+  tessellate: "曲面细分",
 };
 
 function said({ code, values = {} }: Sentence): string | undefined {
@@ -153,9 +154,18 @@ export function assumptionIn(language: Language, english: string): Spoken {
   return spoken(language, english, undefined);
 }
 
-/** An error: what its code says, before the sentence with its values, which stays English. */
-export const errorIn = (language: Language, code: string | undefined): string | undefined =>
-  language === "zh" && code !== undefined ? ERRORS[code] : undefined;
+/** An error. A sentence that has no translation stays English, after what its code says in Chinese. */
+export interface Failed extends Spoken {
+  lead?: string;
+}
+
+export function faultIn(language: Language, { text, code }: { text: string; code?: string | undefined }): Failed {
+  if (language === "en") return { text };
+  const chinese = chineseOf(text);
+  if (chinese !== undefined) return { text: chinese };
+  const lead = code === undefined ? undefined : ERRORS[code];
+  return { ...(lead === undefined ? {} : { lead }), text, lang: "en" };
+}
 
 /** The name of a finding, which follows its number. */
 export const nameIn = (language: Language, { of, words }: { of: string; words: string }): Spoken =>

@@ -13,7 +13,6 @@ import {
   adviceIn,
   assumptionIn,
   cureIn,
-  errorIn,
   joining,
   meaningIn,
   nameIn,
@@ -72,9 +71,6 @@ describe("every sentence of the command", () => {
     expect(codes.size).toBeGreaterThan(150);
     expect([...codes].filter((code) => !(code in ERRORS)).sort()).toEqual([]);
     expect(Object.entries(ERRORS).filter(([, text]) => !/\p{Script=Han}.*。$/u.test(text))).toEqual([]);
-    expect(errorIn("zh", "not-stl")).toBe("这不是 STL 文件。");
-    expect(errorIn("en", "not-stl")).toBeUndefined();
-    expect(errorIn("zh", "hum")).toBeUndefined();
     const stdout = JSON.stringify({ error: { code: "script-value", exit: 3, messages: ["a.star: line 3, column 2: it hums"] } });
     expect(faultOf({ exit: 3, stdout, stderr: "", outputs: {} })).toEqual({ text: "it hums", line: 3, column: 2, code: "script-value" });
   });

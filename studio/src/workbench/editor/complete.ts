@@ -4,7 +4,7 @@ import type { Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip } from "@codemirror/view";
 import { card } from "./card";
 import type { EditorPhrases } from "./phrases";
-import { problemField } from "./problem";
+import { problemField, speak } from "./problem";
 import { type Scan, scan } from "./scan";
 import { type FunctionRow, callAt, functionAt, parameterName, parametersOf, table } from "./table";
 import { tokenBefore } from "./tokens";
@@ -88,6 +88,7 @@ function hover(phrases: EditorPhrases): Extension {
         const dom = document.createElement("p");
         dom.className = "cm-card cm-problemText";
         dom.textContent = problem.message;
+        speak(dom, problem);
         return { dom };
       };
       return { pos: problem.from, end: problem.to, create };

@@ -6,7 +6,7 @@ import { card } from "./card";
 import { numberAtCursor, stepNumber } from "./dragging";
 import { STEP } from "./numbers";
 import type { EditorPhrases } from "./phrases";
-import { goToProblem, problemField, problemLine } from "./problem";
+import { goToProblem, problemField, problemLine, speak } from "./problem";
 import { scan } from "./scan";
 import { callAt, functionAt, table } from "./table";
 
@@ -46,8 +46,6 @@ class HelpPanel implements Panel {
     this.problem.setAttribute("role", "status");
     this.problem.setAttribute("aria-live", "polite");
     this.message.className = "cm-problemText";
-    // The command's messages are English.
-    this.message.lang = "en";
     this.help.className = "cm-help";
     this.stepper.className = "cm-stepper";
     const [less, more] = [stepNumber(-STEP.plain), stepNumber(STEP.plain)];
@@ -76,6 +74,7 @@ class HelpPanel implements Panel {
       this.shownError = error;
       this.place.textContent = line === null ? "" : this.phrases.line(line);
       this.message.textContent = problem?.message ?? "";
+      speak(this.message, problem);
       this.problem.replaceChildren(...(problem ? [this.place, this.message] : []));
     }
     this.help.replaceChildren(this.helpAtCursor());

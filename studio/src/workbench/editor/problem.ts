@@ -9,12 +9,21 @@ export interface EditorError {
   /** Counted from 1, in code points as the command counts them. */
   column?: number;
   message: string;
+  /** The language of the message, if it is not the page's. */
+  lang?: "en";
 }
 
 export interface Problem {
   from: number;
   to: number;
   message: string;
+  lang?: "en";
+}
+
+/** Marks the language of a message, for screen readers. */
+export function speak(element: HTMLElement, problem: Problem | null): void {
+  if (problem?.lang) element.lang = problem.lang;
+  else element.removeAttribute("lang");
 }
 
 export const setProblem = StateEffect.define<Problem | null>();
@@ -80,15 +89,15 @@ function marks(problem: Problem | null): DecorationSet {
 const WORD = /^[\p{L}\p{N}_]+/u;
 
 /** The place of an error in a text: the word at its column, or the whole line. */
-export function problemAt(doc: Text, { line, column, message }: EditorError): Problem {
+export function problemAt(doc: Text, { line, column, ...said }: EditorError): Problem {
   const { from, text } = doc.line(Math.min(Math.max(1, Math.trunc(line) || 1), doc.lines));
   const start = text.length - text.trimStart().length;
-  if (column === undefined) return lineStart(doc, { from: from + start, to: from + text.trimEnd().length, message });
+  if (column === undefined) return lineStart(doc, { from: from + start, to: from + text.trimEnd().length, ...said });
   // The command counts code points, and the editor UTF-16 units.
   const before = [...text].slice(0, Math.max(0, column - 1)).join("").length;
   const rest = text.slice(before);
   const word = WORD.exec(rest)?.[0] ?? rest.slice(0, String.fromCodePoint(rest.codePointAt(0) ?? 0).length);
-  return lineStart(doc, { from: from + before, to: from + before + (rest.trim() === "" ? 0 : word.length), message });
+  return lineStart(doc, { from: from + before, to: from + before + (rest.trim() === "" ? 0 : word.length), ...said });
 }
 
 /** Moves an empty range to the start of its line, where a line decoration must be. */
