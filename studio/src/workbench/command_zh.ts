@@ -163,7 +163,8 @@ export function faultIn(language: Language, { text, code }: { text: string; code
   if (language === "en") return { text };
   const chinese = chineseOf(text);
   if (chinese !== undefined) return { text: chinese };
-  const lead = code === undefined ? undefined : ERRORS[code];
+  // The codes of a GLB are those of Khronos' validator, in capitals.
+  const lead = code === undefined ? undefined : ERRORS[/^[A-Z_]+$/.test(code) ? "glb" : code];
   return { ...(lead === undefined ? {} : { lead }), text, lang: "en" };
 }
 

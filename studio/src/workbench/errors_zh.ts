@@ -4,6 +4,7 @@
 export const ERRORS: Readonly<Record<string, string>> = {
   // The script
   script: "脚本有错。",
+  "script-file": "脚本要用的文件无法使用。",
   "script-error": "脚本运行出错。",
   "script-limit": "脚本超出了允许的步数或大小。",
   "script-syntax": "脚本的语法有误。",
@@ -103,6 +104,7 @@ export const ERRORS: Readonly<Record<string, string>> = {
   "trailing-bytes": "文件末尾有多余的字节。",
   encrypted: "文件已加密。",
   compressed: "这种压缩不支持。",
+  "bad-json": "JSON 有误。",
   "bad-magic": "文件开头的标记不对。",
   "bad-header": "文件头有误。",
   "bad-checksum": "校验和不对，文件已损坏。",

@@ -82,6 +82,13 @@ describe("every sentence", () => {
     expect(unknownIn(["crates/chordal/src/implicit/shapes", "crates/chordal/src/implicit/combine"])).toEqual([]);
   });
 
+  test("about the numbers of a shape names them in Chinese", () => {
+    const files = ["crates/chordal/src/implicit/shapes", "crates/chordal/src/implicit/combine"].flatMap(rustFiles);
+    const names = files.flatMap((path) => [...readFileSync(PROJECT + path, "utf8").split("#[cfg(test)]")[0]!.matchAll(/"(an? [a-z' ]+)"/g)].map(([, name]) => name!));
+    expect(names.length).toBeGreaterThan(50);
+    expect([...new Set(names)].filter((name) => !(name in KINDS_ZH) && !(name in SENTENCES_ZH) && !name.startsWith("a finite number"))).toEqual([]);
+  });
+
   test("about a field that has no mesh has a translation", () => {
     expect(unknownIn(["crates/chordal/src/convert/field_to_mesh.rs", "crates/chordal/src/convert/fields/mesher.rs", "crates/chordal/src/convert/fields/draft.rs"])).toEqual([]);
   });
@@ -118,6 +125,10 @@ describe("a sentence", () => {
     ["the script's value must be a shape, but it is None: a loop has no value: collect its shapes in a list, and end the script with union(…) of the list",
       "脚本的值必须是形状，现在是 None：循环没有值。请把形状收进一个列表，最后一行写 union(…)，参数是这个列表。"],
     ["hull() needs points of 2 or 3 numbers for 'points', not a list with other values", "hull() 的参数 points 应为每点两个或三个数，而不是含有其他值的列表。"],
+    ["sphere() needs 3 numbers for 'center', not 2", "sphere() 的参数 center 应为 3 个数，而不是 2。"],
+    ["Parse error: unexpected symbol ':', expected expression", "语法错误：这里应为表达式，而不是符号“:”。"],
+    ["Parse error: invalid input `（`", "语法错误：“（”是全角符号，请改用半角的 ( 。"],
+    ["part 1: the script's value must be a shape, but it is something else", "part 1：脚本的值必须是形状，现在是别的东西。"],
   ];
   test.each(said)("%s", (english, chinese) => expect(chineseOf(english)).toBe(chinese));
 

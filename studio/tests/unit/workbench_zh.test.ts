@@ -13,6 +13,7 @@ import {
   adviceIn,
   assumptionIn,
   cureIn,
+  faultIn,
   joining,
   meaningIn,
   nameIn,
@@ -61,7 +62,7 @@ describe("every sentence of the command", () => {
       const folder = `${PROJECT}crates/${crate}/src/`;
       for (const name of readdirSync(folder, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".rs"))) {
         const text = readFileSync(folder + name, "utf8").split("#[cfg(test)]")[0]!;
-        const made = /(?:ReadError::new|\.error|error_at|Fault::\w+|ScriptError::new)\(\s*(?:Exit::\w+,\s*)?"([a-z0-9]+(?:-[a-z0-9]+)*)"/g;
+        const made = /(?:ReadError::new|\.error|error_at|Fault::\w+|ScriptError::new|translate_error|\berror)\(\s*(?:Exit::\w+,\s*)?"([a-z0-9]+(?:-[a-z0-9]+)*)"/g;
         for (const match of text.matchAll(made)) codes.add(match[1]!);
       }
     }
@@ -140,6 +141,27 @@ function facets(...rows: string[]): string {
   const all = rows.map((row) => `facet normal 0 0 0\nouter loop\n${vertices(row)}\nendloop\nendfacet\n`);
   return `solid x\n${all.join("")}endsolid x\n`;
 }
+
+/** Scripts with the mistakes that beginners make. */
+const WRONG = [
+  "sphere(", "sphere(1))", "a = [1, 2\nsphere(1)", "if True:\nsphere(1)", "  sphere(1)", "for i in range(3)\n    sphere(1)", "sphere(1) sphere(2)", 'sphere("1)', "import math",
+  "while True:\n    pass", "sphere（1）", "a = 1\n\tb = 2", "1/0", "spere(1)", "cube(1)", "sphere()", "box(1)", "box(1, 2, 3, 4)", "box(1, 2, 3, w=3)", 'box("a", 2, 3)', "sphere(-1)",
+  "polygon([[0, 0], [1, 1]])", "extrude(circle(1), -1)", 'color(sphere(1), "grün")', "union()", "sphere(1) + box(1, 1, 1)", "sphere(1) * 2", 'mesh("none.stl")', "a = 1", "x + y", "3",
+  "def f():\n    sphere(1)\nf()", "for i in range(3):\n    sphere(i)", "def f(a):\n    return a\nf()", "[1, 2][5]", "sphere(2 ** 3)", "sphere(1).x", "y = y + 1",
+];
+
+test("faults of scripts are completely in Chinese", async () => {
+  const module = await WebAssembly.compile(readFileSync(new URL("../../wasm/command.wasm", import.meta.url)));
+  const english: string[] = [];
+  for (const script of WRONG) {
+    const outcome = await run(module, ["inspect", "a.star", "--json"], { "a.star": new TextEncoder().encode(script) });
+    expect(outcome.exit, script).not.toBe(0);
+    const said = faultIn("zh", faultOf(outcome));
+    // Two words of English in a row are no name of the language and no call.
+    if (!isChinese(said) || / [a-z]{2,} [a-z]{2,} /.test(said.text)) english.push(`${script}: ${said.text}`);
+  }
+  expect(english).toEqual([]);
+});
 
 describe("findings of files", () => {
   let findings: FindingFacts[];

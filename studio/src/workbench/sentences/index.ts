@@ -8,7 +8,8 @@ export const SENTENCES_ZH = { ...SCRIPT_SENTENCES, ...SHAPE_SENTENCES, ...JOB_SE
 export const KINDS_ZH = { ...KINDS, ...QUANTITIES };
 
 /** The Chinese of a sentence, or nothing if it is not known. */
-export const chineseOf = translator(SENTENCES_ZH, KINDS_ZH);
+export const chineseOf = (english: string): string | undefined => known(english.replace(/ \(see --help\)$/, ""));
+const known = translator(SENTENCES_ZH, KINDS_ZH);
 
 /** The Chinese of a line that a function adds to what its script prints; a line of the script itself stays as it is. */
 export const noteOf = translator(NOTES, {});

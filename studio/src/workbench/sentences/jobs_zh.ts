@@ -16,18 +16,45 @@ const REQUESTS: Table = {
   "unexpected argument '{option}' found": "没有 {option} 这个选项。",
   "a value is required for '{option}' but none was supplied": "{option} 后面缺少值。",
   "the argument '{option}' cannot be used with '{other}'": "{option} 不能与 {other} 同用。",
+  "the argument '{option}' cannot be used with: {others}": "{option} 不能与 {others} 同用。",
+  "the following required arguments were not provided: {others}": "缺少必需的选项 {others}。",
   "the argument '{option}' cannot be used multiple times": "{option} 只能给一次。",
   "expected a share like 0.1": "须是 0.1 这样的比例。",
   "a whole number greater than 0": "须是大于 0 的整数。",
   "a whole number greater than 0, not '{text}'": "须是大于 0 的整数，不能是“{text}”。",
+  "a whole number from 1 to {nMost}": "须是 1 到 {nMost} 的整数。",
+  "a whole number from 0 on": "须是不小于 0 的整数。",
+  "a setting reads like r=0.5, not '{text}'": "写法如 r=0.5，不能是“{text}”。",
+  "a box reads like \"-1,-1,-1 1,1,1\", its lowest corner first": "盒子的写法如 \"-1,-1,-1 1,1,1\"，最低的角在前。",
+  "the axis that is up is y or z": "朝上的轴是 y 或 z。",
+  "'{text}': {wWhy}": "“{text}”：{wWhy}",
+  "{option} is for volumes, and the input holds {kind}": "{option} 用于体数据，而输入不是。",
+  "{option} is for masks": "{option} 用于掩膜。",
+  "{option} is for polygon cages ({names}), and the input holds {kind}": "{option} 用于多边形的控制网格（{names}），而输入不是。",
+  "only the polygons of an .obj or of USD can be a cage: {option} does not apply to {format}": "只有 .obj 或 USD 的多边形可以作控制网格：{option} 不适用于 {format}。",
+  "only fonts set letters: {option} does not apply to {format}": "只有字体才能排文字：{option} 不适用于 {format}。",
+  "only scripts have parameters: there is no '{name}' to set in {format}": "只有脚本才有参数：{format} 中没有“{name}”可设。",
+  "only drawings and letters are raised to a height, and this is {kind}": "只有矢量图和文字可以拉伸，而输入不是。",
   "a whole number from 0 on, not '{text}'": "须是不小于 0 的整数，不能是“{text}”。",
   "a whole number from 1 to {nMost}, not '{text}'": "须是 1 到 {nMost} 的整数，不能是“{text}”。",
-  "{p}: {wWhy}": "{p}：{wWhy}",
+  "{name}: {wWhy}": "{name}：{wWhy}",
 };
 
 const UNMET: Table = {
-  "the budget was not met; the best reached is {bound} with {output}": "预算未能满足；达到的最好结果是 {bound}。",
-  "the budget was not met; the best reached is {bound}": "预算未能满足；达到的最好结果是 {bound}。",
+  "the budget was not met; the best reached is {kBound}": "预算未能满足；达到的最好结果是{kBound}。",
+  "the budget was not met; the best reached is {kBound} with {n} triangles": "预算未能满足；达到的最好结果是{kBound}，{n} 个三角形。",
+  "the budget was not met; the best reached is {kBound} with {n} triangles; {wRest}": "预算未能满足；达到的最好结果是{kBound}，{n} 个三角形。{wRest}",
+  "the worst known place is about ({place})": "已知误差最大的地方约在 ({place})。",
+  "{n} triangles are left and {nMost} are allowed: {wReason}": "还剩 {n} 个三角形，只允许 {nMost} 个：{wReason}",
+  "no more can go within the length": "在这个长度之内不能再减。",
+  "a count alone removes no separate piece and no handle, so that each keeps some triangles": "只限定数目时，不会去掉独立的块和环柄，每一块都留着一些三角形。",
+  "a larger length lets more go": "放宽长度可以再减。",
+  "a length in addition to the count removes pieces that it covers": "再给一个长度，就能去掉小于它的块。",
+  "{n} piece: {rest}; {wNext}": "共 {n} 块：{rest}。{wNext}",
+  "{n} pieces: {rest}; {wNext}": "共 {n} 块：{rest}。{wNext}",
+  "{option} writes it": "用 {option} 可写出这个结果。",
+  "{n} is less than what rounding to the single precision of {f} may cost here, {nCost}": "{n} 小于 {f} 的单精度在这里可能的舍入误差 {nCost}。",
+  "{list} keep every digit": "能保留全部位数的格式有 {list}。",
   "the budget needs more than {n} triangles, which is the limit": "这样的预算需要的三角形超过 {n} 个的限制。",
   "the budget needs about {n} triangles; the limit is {nMost}": "这样的预算约需 {n} 个三角形，限制是 {nMost} 个。",
   "the budget needs more than {n} triangles; the limit is {nMost}": "这样的预算需要的三角形超过 {n} 个，限制是 {nMost} 个。",
@@ -64,10 +91,9 @@ const SURFACES: Table = {
   "the box of the shape has no finite size": "形状的包围盒没有尽头。",
   "a draft found nothing inside: the shape is empty, or thinner than the cells of a draft": "草稿在内部什么也没找到：形状是空的，或比草稿的单元还薄。",
   "there is no shape": "没有形状。",
-  "the shape has no end in some direction: cut it off at a box ({option})": "形状在某个方向没有尽头：请用盒子截断（{option}）。",
-  "the shape has no end in some direction: cut it off at a box ({option}), or with a shape: shape & box(x, y, z)":
-    "形状在某个方向没有尽头：请用盒子截断（{option}），或与形状求交：shape & box(x, y, z)。",
-  "the shape is flat, a figure of the plane without a height: extrude(shape, height) makes a solid of it, or {option} cuts it off":
+  "the shape has no end in some direction: cut it off at a box ({option}, in Python within())":
+    "形状在某个方向没有尽头：请在脚本里与 box(x, y, z) 求交，或用盒子截断（{option}）。",
+  "the shape is flat, a figure of the plane without a height: extrude(shape, height) makes a solid of it, or {option}, in Python within() cuts it off":
     "形状是平的，是没有高度的平面图形：extrude(shape, height) 可拉伸成实体，{option} 可截断它。",
   "the shape reaches to {n}, and squares of coordinates beyond {nMost} are no numbers any more: scale it down": "形状伸到 {n}，坐标的平方超出 {nMost} 就不再是数：请缩小它。",
   "there is no surface: nothing of the shape is within its box": "没有曲面：形状没有任何部分在盒子里。",
@@ -78,15 +104,37 @@ const SURFACES: Table = {
   "cells that small need {n} bytes; the limit is {nMost}": "这么小的单元要占 {n} 字节，限制是 {nMost} 字节。",
   "the tolerance is so small that the shape is {n} cells wide": "公差太小，形状要宽 {n} 个单元。",
   "the floating-point environment flushes subnormal numbers, so that nothing can be proved": "浮点环境把极小的数变成零，什么也证明不了。",
-  "samples lie between {n} and {nHigh}, and the level of the surface is not known: {rest}": "样本在 {n} 与 {nHigh} 之间，还不知道等值面取哪个值：{rest}",
+  "samples lie between {n} and {nHigh}, and the level of the surface is not known: {option} LEVEL sets it; {nBest} separates them best":
+    "样本在 {n} 与 {nHigh} 之间，还不知道等值面取哪个值：用 {option} 设定，{nBest} 分得最开。",
   "level {n} is not among the samples, which lie between {nLow} and {nHigh}: there is no surface": "样本在 {nLow} 与 {nHigh} 之间，取不到 {n}：没有曲面。",
   "all samples are {n}, so that there is no surface at any level": "样本全是 {n}，取什么值都没有曲面。",
   "no sample is a finite number, so that there is no surface": "没有一个样本是有限的数，因此没有曲面。",
-  "the drawing fills nothing: its lines can be written as polylines, to {formats}": "图中没有填充的区域：线条可以写成折线，格式为 {formats}。",
+  "the drawing fills nothing: its lines can be written as polylines, to {list}": "图中没有填充的区域：线条可以写成折线，格式为 {list}。",
   "no triangles are left: all filled regions of the drawing are thinner than the bound": "没有剩下三角形：图中填充的区域都比误差上界还窄。",
   "a solid over outlines has a height above 0 and below {nMost}, not {n}": "由轮廓拉伸的实体，高度须大于 0 且小于 {nMost}，不能是 {n}。",
   "a bevel is wider than 0 and narrower than half of the height {n}, not {nGiven}": "倒角须大于 0 且小于高度 {n} 的一半，不能是 {nGiven}。",
   "a bevel needs a solid, and the drawing is not raised to one": "倒角需要实体，而图形没有拉伸成实体。",
+};
+
+/** Of files that cannot be read the most frequent; of others the code is translated. */
+const READING: Table = {
+  "the file is empty": "文件是空的。",
+  "the file is empty: {n} bytes, none of them more than space": "文件是空的：{n} 字节，没有一个不是空白。",
+  "the content is of no known format; {option} names the format: formats that can be read are {list}": "内容不是已知的格式。能读取的格式有 {list}；可用 {option} 指定。",
+  "the name does not tell the format; add {option} with one of {list}": "从名称看不出格式：请加上 {option}，可取 {list}。",
+  "'{text}' is not a number": "“{text}”不是数。",
+  "index '{text}' is out of range: the file has {n} vertices": "索引“{text}”超出范围：文件有 {n} 个顶点。",
+  "{n} bytes are no STL: binary needs 84 or more, and text starts with 'solid'": "{n} 字节不是 STL：二进制至少 84 字节，文本以 solid 开头。",
+  "byte {n}: {wWhy}": "第 {n} 字节：{wWhy}",
+  "line {n}, column {nColumn}: {wWhy}": "第 {n} 行第 {nColumn} 列：{wWhy}",
+  "\"{name}\" cannot be read: {wWhy}": "“{name}”无法读取：{wWhy}",
+  "this is a PNG picture, which is not read: a picture is no shape": "这是 PNG 图片，图片不是形状。",
+  "this is STEP, which is not read: {advice}": "这是 STEP 文件，不能直接读取：请从 CAD 软件导出 3MF、STL 或 glTF 的三角形，误差按需要设定。",
+  "the list of tables of a font is cut off or wrong": "字体的表目录不完整或有误。",
+  "the file ends before {rest}": "文件不完整，数据没有写完。",
+  "only triangles can be {done}, and these are {kind}: mesh them first": "只有三角形可以这样处理：请先网格化。",
+  "{f} does not hold triangles; {list} do": "{f} 不能存放三角形，能存放的有 {list}。",
+  "the field has no finite box; give a region to look in, as in -1,-1,-1 to 1,1,1": "场没有尽头：请给出一个区域，如从 -1,-1,-1 到 1,1,1。",
 };
 
 const LEAVES: Table = {
@@ -102,11 +150,11 @@ const STEPS: Table = {
   "operand {n} bounds no solid: {nEdges} edges have one triangle only": "第 {n} 个网格围不成实体：有 {nEdges} 条边只有一个三角形。",
   "the result has {n} triangles; the limit is {nMost}": "结果有 {n} 个三角形，限制是 {nMost} 个。",
   "nothing would be left: no point is inside the result": "什么也不会剩下：结果中没有内部的点。",
-  "{name}: it bounds no solid, since {wReason}: mend it ({option}), or give a length, within which its surface is rebuilt by winding numbers":
-    "{name} 围不成实体：{wReason}请先修复（{option}），或给出长度，在此之内按环绕数重建曲面。",
+  "{p}: it bounds no solid, since {wReason}: mend it ({option}), or give a length, within which its surface is rebuilt by winding numbers":
+    "{p} 围不成实体：{wReason}请先修复（{option}），或给出长度，在此之内按环绕数重建曲面。",
   "neighbours are wound against each other": "相邻三角形的环绕方向相反；",
   "{n} edges have one triangle only": "有 {n} 条边只有一个三角形；",
-  "{name}: {kind} bound no solid": "{name} 围不成实体。",
+  "{p}: {kind} bound no solid": "{p} 围不成实体。",
   "no repair is requested": "没有指定修复。",
   "nothing would be left: there are no triangles, only points": "什么也不会剩下：没有三角形，只有点。",
   "mending needs about {n} bytes; the limit is {nMost}": "修复约需 {n} 字节，限制是 {nMost} 字节。",
@@ -128,9 +176,7 @@ const STEPS: Table = {
     "场有一部分不是表达式，不能写成着色器：网格、样本、程序的函数，或自相交的轮廓。",
   "out of memory or stack overflow: set a lower --max-memory, so that the job ends with the best result so far": "内存或栈已耗尽。",
   "the transforms of the scene take its coordinates out of range": "场景的变换使坐标超出范围。",
-  "the file is empty": "文件是空的。",
-  "the content is of no known format": "内容不是已知的格式。",
-  "no such file": "没有这个文件。",
+  "no such file or directory": "没有这个文件。",
 };
 
-export const JOB_SENTENCES: Table = { ...REQUESTS, ...UNMET, ...SURFACES, ...LEAVES, ...STEPS };
+export const JOB_SENTENCES: Table = { ...REQUESTS, ...UNMET, ...SURFACES, ...READING, ...LEAVES, ...STEPS };
