@@ -88,14 +88,15 @@ export const EN: LessonText = {
       title: "Three points are one plane, always",
       text: (
         <p>
-          Put three points anywhere. There is one plane through them, so a triangle is always <Term id="planar">planar</Term>: one normal, one inside. A fourth
-          corner may leave that plane. Lift corner D, and the four corners no longer say what lies between them.
+          Put three points anywhere, but not on one line. There is one plane through them, so a triangle is always <Term id="planar">planar</Term>: one{" "}
+          <Term id="normal">normal</Term>, one inside. A fourth corner may leave that plane. Here D is lifted, and the four corners no longer say what lies between
+          them.
         </p>
       ),
       after: (
         <p>
-          Lift it to <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="Height of corner D" />, and the middles of the two
-          diagonals are half as far apart. A file that stores four corners does not store which surface was meant. So authors model with quads, because quads are
+          Lift it to <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="Height of corner D" />, and the middles of the
+          two diagonals part by half of that. A file that stores four corners does not store which surface was meant. Authors still model with quads, which are
           good to work with, and somewhere on the way to the screen the pipeline quietly cuts each one in two.
         </p>
       ),
@@ -106,14 +107,14 @@ export const EN: LessonText = {
         <>
           <p>
             A triangle is also always <Term id="convex">convex</Term>. So a point is inside if it lies on the same side of all three edges, and a side is the sign
-            of one <Term id="edge-function">edge function</Term>, twice the signed area of a triangle:
+            of one <Term id="edge-function">edge function</Term>: for the edge from a to b, twice the signed area of the triangle a, b, p:
           </p>
           <Formula>
             E(p) = (b<sub>x</sub> − a<sub>x</sub>)(p<sub>y</sub> − a<sub>y</sub>) − (b<sub>y</sub> − a<sub>y</sub>)(p<sub>x</sub> − a<sub>x</sub>)
           </Formula>
           <p>
-            Drag the point over an edge: <Set figure="inside" to={{ probe: [9.4, 5.6] }}>outside</Set>, exactly one sign is against it. Reverse the order of the
-            corners, and all three signs turn over.
+            Drag the point over one edge, and exactly one sign turns: it is <Set figure="inside" to={{ probe: [9.4, 5.6] }}>outside</Set>. Reverse the order of the
+            corners, and all three turn.
           </p>
         </>
       ),
@@ -124,7 +125,7 @@ export const EN: LessonText = {
         <p>
           Ask these three signs at the centre of every pixel, and you have drawn the triangle. This is <Term id="rasterization">rasterization</Term>. Each edge
           function changes by a constant from one pixel to the next, and no pixel waits for its neighbour, so hardware asks thousands at once. It is built for
-          exactly the guarantees that a triangle gives, and for nothing else.
+          exactly the guarantees that a triangle gives.
         </p>
       ),
     },
@@ -133,8 +134,9 @@ export const EN: LessonText = {
       text: (
         <>
           <p>
-            Divide each edge function by the whole area, and you have three <Term id="barycentric">barycentric</Term> weights that sum to one. Whatever is stored at
-            the corners, a colour, a normal, a place in a texture, is blended by them, in one way only:
+            Divide the three edge functions by their sum, which is twice the whole area, and you have three <Term id="barycentric">barycentric</Term> weights that
+            sum to one; each belongs to the corner opposite its edge. Whatever is stored at the corners, a colour, a normal, a place in a texture, is blended by them,
+            in one way only:
           </p>
           <Formula>
             p = w₀a + w₁b + w₂c,&ensp; w₀ + w₁ + w₂ = 1
@@ -150,8 +152,9 @@ export const EN: LessonText = {
       title: "A picture on it",
       text: (
         <p>
-          Blend two numbers, u and v, and a picture lies on the triangle: these are its <Term id="uv">UV coordinates</Term>. Since the blend is linear, u grows in
-          one fixed direction over the whole face. That direction is the tangent; with the normal it tells a bump in the picture which way to tilt the light.
+          Blend two numbers, u and v, and a picture lies on the triangle: these are its <Term id="uv">UV coordinates</Term>. Since the blend is linear, a step along
+          u, with v held, is the same arrow everywhere on the face: its <Term id="tangent">tangent</Term>. With the normal it says which way a bump in the picture
+          tilts the light.
         </p>
       ),
     },
@@ -159,8 +162,8 @@ export const EN: LessonText = {
       title: "Nothing is lost",
       text: (
         <p>
-          Any convex polygon with n corners fans into n − 2 triangles from one corner, and every simple polygon, however crooked, has a{" "}
-          <Term id="triangulation">triangulation</Term> into n − 2. So we may speak of triangles only, and speak of everything.
+          Any convex polygon with n corners fans into n − 2 triangles from one corner, and every polygon that does not cross itself, however
+          crooked, has a <Term id="triangulation">triangulation</Term> into n − 2. So we may speak of triangles only, and speak of everything.
         </p>
       ),
     },
@@ -168,7 +171,7 @@ export const EN: LessonText = {
       title: "Store each corner once",
       text: (
         <p>
-          The teapot before you has {say.whole(facts.indexed.triangles)} triangles. Written one by one, each brings its three corners: nine numbers, 36 bytes. But
+          The teapot before you is a <Term id="mesh">mesh</Term> of {say.whole(facts.indexed.triangles)} triangles. Written one by one, each brings its three corners: nine numbers, 36 bytes. But
           neighbours share their corners.
         </p>
       ),
@@ -176,11 +179,11 @@ export const EN: LessonText = {
         <>
           <p>
             So store each vertex once, in a <Term id="vertex-buffer">vertex buffer</Term>, and let triangles name their corners by number, in an{" "}
-            <Term id="index-buffer">index buffer</Term>: about 12 bytes a vertex and 6 a triangle instead of 36 a triangle. Here that is{" "}
+            <Term id="index-buffer">index buffer</Term>: 12 bytes a vertex and 6 a triangle instead of 36 a triangle. Here that is{" "}
             {say.bytes(facts.indexed.bytes)} instead of {say.bytes(facts.indexed.unindexed_bytes)}. Normals, colours and UVs ride along, stored once, too.
           </p>
           <p>
-            Touch a vertex: what is painted are all the triangles that follow it. Then see the same mesh{" "}
+            Press a vertex: the yellow triangles are all that use it, and move with it. Then see the same mesh{" "}
             <Set figure="indexed" to={{ storage: "unindexed" }}>without an index</Set>.
           </p>
         </>
@@ -191,8 +194,8 @@ export const EN: LessonText = {
       text: (
         <>
           <p>
-            The <Term id="normal">normal</Term> of a face stands on two of its sides. The cross product finds it; its length is twice the area, so it is scaled to
-            one:
+            The normal of a face is perpendicular to two of its sides. Their <Term id="cross-product">cross product</Term> is, too; its length is twice the area, so
+            it is scaled to one:
           </p>
           <Formula>n = normalize((v₁ − v₀) × (v₂ − v₀))</Formula>
         </>
@@ -224,7 +227,7 @@ export const EN: LessonText = {
             <Term id="culling">culling</Term> skips every triangle that shows its back, about half of them, before any pixel is touched.
           </p>
           <p>
-            Three triangles of this ball are wound the wrong way. Unlit and uncut the ball would look perfect; culled, it has three holes.{" "}
+            Three triangles of this ball are wound the wrong way. Drawn from both sides and unlit the ball would look perfect; culled, it has three holes.{" "}
             <Set figure="culling" to={{ backs: "painted" }}>Paint the backs</Set> to see them, and turn each one over.
           </p>
         </>
@@ -234,10 +237,10 @@ export const EN: LessonText = {
       title: "When there is an inside",
       text: (
         <p>
-          A mesh is <Term id="manifold">manifold</Term> and closed if each of its edges has exactly two triangles. Then inside and outside are clear, and
-          subdivision, booleans and physics work. A hole breaks that. So does a <Term id="t-junction">T-junction</Term>, where a vertex of one triangle sits on the
-          edge of another without being shared. Two meshes can look alike at rest and differ as soon as they are lit, culled or cut. Choose a patient; each fault is
-          named, and so is its cure.
+          A mesh is closed and <Term id="manifold">manifold</Term> if each of its edges has exactly two triangles, and those around each vertex form one ring. Then
+          inside and outside are clear, and a solid can be subdivided, cut from another, or dropped on the floor. A hole breaks that. So does a{" "}
+          <Term id="t-junction">T-junction</Term>, where a vertex of one triangle sits on the edge of another without being shared. Two meshes can look alike at rest
+          and differ as soon as they are lit, culled or cut. Choose a patient: each fault is named, and so is its cure.
         </p>
       ),
     },
@@ -246,20 +249,20 @@ export const EN: LessonText = {
       text: (
         <>
           <p>
-            Nobody sculpts a teapot triangle by triangle. Its author placed <Term id="control-point">control points</Term>, sixteen a patch, four a curve. The curve
-            at t is a blend of its four points by the <Term id="bernstein">Bernstein</Term> weights:
+            Nobody sculpts a teapot triangle by triangle. Its author placed <Term id="control-point">control points</Term>, sixteen for each patch of surface, and four
+            for a curve, a <Term id="bezier">cubic Bézier</Term>. At t it is a blend of its four points by the <Term id="bernstein">Bernstein</Term> weights:
           </p>
           <Formula>
             (1 − t)³ P₀ + 3t(1 − t)² P₁ + 3t²(1 − t) P₂ + t³ P₃
           </Formula>
           <p>
-            They are never negative and sum to one, so the curve stays in the <Term id="convex-hull">convex hull</Term>. It starts at P₀, ends at P₃, and leaves along
-            its handles. The discs show how much each point pulls at t ={" "}
+            From t = 0 to 1 they are never negative and sum to one, so the curve stays in the <Term id="convex-hull">convex hull</Term> of its points. It starts at P₀
+            toward P₁, and ends at P₃, coming from P₂. The discs show how much each point pulls at t ={" "}
             <Handle figure="bernstein" field="t" value={0.35} low={-0.1} high={1.1} step={0.05} name="t" />. Go past 1: a weight turns negative, and the curve leaves.
           </p>
           <p>
             <Term id="de-casteljau">De Casteljau’s</Term> construction needs no weights at all: blend neighbours, four points to three, to two, to one. You get the
-            point, its tangent, and both halves of the curve, for free.
+            point, its tangent, and the control points of both parts of the curve, for free.
           </p>
         </>
       ),
@@ -268,7 +271,7 @@ export const EN: LessonText = {
       title: "Why not one long polynomial",
       text: (
         <p>
-          Through eleven points runs exactly one polynomial of degree ten. It touches every point, and between them it may swing far out: that is{" "}
+          Through eleven points runs exactly one polynomial of degree at most ten. It touches every point, and between them it may swing far out: that is{" "}
           <Term id="runge">Runge’s phenomenon</Term>.
         </p>
       ),
@@ -294,7 +297,7 @@ export const EN: LessonText = {
         <p>
           <Term id="continuity">C0</Term>: one piece begins where the other ends, with a kink perhaps. C1: they share direction and speed. C2: they share bending, too.
           You may not see the difference between C1 and C2 in the line; you see it in a <Set figure="joins" to={{ keep: "C1" }}>reflection</Set>, whose stripes kink
-          where the curvature jumps. Keep <Set figure="joins" to={{ keep: "C2" }}>C2</Set>, and they run on.
+          where the <Term id="curvature">curvature</Term> jumps. Keep <Set figure="joins" to={{ keep: "C2" }}>C2</Set>, and they run on.
         </p>
       ),
     },
@@ -302,8 +305,8 @@ export const EN: LessonText = {
       title: "How it feels to ride along",
       text: (
         <p>
-          A camera on a C1 path never jumps, but it jerks: where the bending changes at once, so does the sideways push. Roller coasters, cutters and camera flights want
-          C2.
+          A camera on a C1 path never jumps, but it jerks: where the bending changes at once, so does the sideways push. Roller coasters, milling machines and camera
+          flights want C2.
         </p>
       ),
     },
@@ -311,8 +314,8 @@ export const EN: LessonText = {
       title: "From curves to surfaces",
       text: (
         <p>
-          Let the four points of a curve run along four curves themselves, and they sweep a surface: a <Term id="tensor-product">tensor product</Term> patch with 4 × 4
-          control points. The teapot of 1975 is 32 of them, 12 kilobytes of text, exact at any size.
+          Let the four points of a curve run along four curves themselves, and it sweeps a surface: a <Term id="tensor-product">tensor product</Term> patch with 4 × 4
+          control points. The teapot, drawn by Martin Newell in 1975, is 32 of them: seven kilobytes of text, and smooth at any size.
         </p>
       ),
     },
@@ -320,7 +323,8 @@ export const EN: LessonText = {
       title: "Or cut a cage until it is smooth",
       text: (
         <p>
-          Artists prefer to push a coarse cage about. <Term id="subdivision">Subdivision</Term> by Catmull and Clark splits each face into four and averages: after{" "}
+          Artists prefer to push a coarse mesh of quads about, a <Term id="cage">cage</Term>. <Term id="subdivision">Subdivision</Term> by Catmull and Clark splits each
+          quad into four and averages: after{" "}
           <Handle figure="cage" field="level" value={2} low={0} high={5} name="Rounds" /> rounds it is already hard to tell from its smooth limit. Each round has four
           times the faces and leaves about a quarter of the error. And at the last moment, patch or cage, everything becomes triangles.
         </p>
@@ -330,7 +334,8 @@ export const EN: LessonText = {
       title: "Pull the cage",
       text: (
         <p>
-          Move one corner of a cage, and only the faces two rings around it follow. This is why artists think in cages: a few hundred points that each do one clear thing.
+          Move one corner of a cage, and the surface follows: most beside it, here by three eighths, and not at all beyond two rings of faces, which on a cube are all.
+          This is why artists think in cages: a few hundred points that each do one clear thing.
         </p>
       ),
     },
@@ -387,8 +392,8 @@ export const EN: LessonText = {
       ),
       after: (
         <p>
-          Through open space it leaps; grazing the surface it creeps: of all rays of this picture the slowest took {say.whole(facts.tracing.most)} steps. Show{" "}
-          <Handle figure="tracing" field="shown" value={4} low={0} high={40} name="Steps shown" /> of them.
+          Through open space it leaps; grazing the surface it creeps: of all rays of this picture the slowest takes {say.whole(facts.tracing.most)} steps. Follow
+          yours for <Handle figure="tracing" field="shown" value={4} low={0} high={40} name="Steps shown" />.
         </p>
       ),
     },
@@ -423,8 +428,8 @@ export const EN: LessonText = {
       title: "Back to triangles",
       text: (
         <p>
-          Hardware draws triangles, so fields are turned into them. Sample the field on a lattice. In each cell, look which corners are inside, and put a vertex on every
-          edge whose ends differ: <Term id="marching-cubes">marching cubes</Term>, in the flat marching squares. Sharp corners are cut off, unless the mesher knows the
+          Hardware draws triangles, so fields are turned into them. Sample the field on a lattice. In each cell, look which corners are inside, put a vertex on every
+          edge whose ends differ, and join them: <Term id="marching-cubes">marching cubes</Term>, in the flat marching squares. Sharp corners are cut off, unless the mesher knows the
           parts and puts a vertex <Set figure="squares" to={{ method: "corners" }}>where they meet</Set>.
         </p>
       ),
@@ -433,8 +438,8 @@ export const EN: LessonText = {
       title: "A whole surface, cell by cell",
       text: (
         <p>
-          In space each cell has eight corners and 256 cases. Run through all of them, and a surface appears that is closed by construction: neighbours agree on the
-          edges that they share.
+          In space a cell has eight corners, and 256 ways to be in or out. Go through all cells, and a surface appears that is closed by construction, if neighbours
+          read the face that they share in the same way; the first published table, of 1987, did not always.
         </p>
       ),
     },
@@ -451,7 +456,7 @@ export const EN: LessonText = {
       title: "There and back",
       text: (
         <p>
-          Neither answer wins, so engines carry both and convert. To collide or blend, the teapot’s {say.whole(facts.baking.triangles)} triangles are{" "}
+          Engines carry both answers and convert. To collide or blend, the teapot’s {say.whole(facts.baking.triangles)} triangles are{" "}
           <Term id="baking">baked</Term> into distances on a lattice, here {say.whole(facts.baking.samples)} samples, and meshed again into{" "}
           {say.whole(facts.baking.back)}. Each way loses something, and each loss can be bounded; generously here, because spout and handle reach into the body. With only{" "}
           <Handle figure="baking" field="cells" value={20} low={6} high={36} name="Cells along the longest side" /> cells along its side, see what becomes of the
@@ -510,7 +515,7 @@ export const EN: LessonText = {
       ),
       after: (
         <p>
-          Both are one pixel off at most, and one pixel is a quarter of a millimetre on the teapot and more than a metre on the mountain. Step back to{" "}
+          Both are one pixel off at most, even in a corner of the screen. That is a quarter of a millimetre on the teapot, and more than a metre on the mountain. Step back to{" "}
           <Set figure="levels" to={{ stop: 4 }}>six metres</Set>, and the teapot needs {say.whole(facts.levels.far.teapot)}; the mountain does not notice.
         </p>
       ),
@@ -520,7 +525,8 @@ export const EN: LessonText = {
       text: (
         <p>
           A level need not be even. Triangles should crowd where the surface bends, near the camera, and along the <Term id="silhouette">silhouette</Term>, where straight
-          edges show against the background; flat and far parts need few. The rule is the same everywhere: each chord within about a pixel.
+          edges show against the background; flat and far parts need few. Along the outline every chord is within a pixel; where a face looks at you, a chord is off along
+          the line of sight, and may be off by more.
         </p>
       ),
     },
@@ -528,7 +534,8 @@ export const EN: LessonText = {
       title: "At their true size",
       text: (
         <p>
-          Put teapot and mountain in one picture, and draw a pixel beside each. Every chord is as long as it may be, and no longer visible.
+          Put both in one picture, and move the loupe along an edge: grey is the true surface, blue the triangles, each square a pixel. Every chord is as long as it may
+          be, and you would not have seen one.
         </p>
       ),
     },
@@ -584,8 +591,8 @@ export const EN: LessonText = {
       options: { up: "Up", down: "Down", both: "Either: it depends" },
       answer: (
         <>
-          It depends on the diagonal. Cut along one, the middle is a ridge, along the other a valley, and the four corners do not say which. With D lifted by{" "}
-          {say.number(facts.bulge)}, that is how far the fourth corner is from the plane of the other three.
+          It depends on the diagonal. Cut along one, the middle is a ridge, along the other a valley, and the four corners do not say which. Here D
+          stands {say.number(facts.bulge)} out of the plane of the other three.
         </>
       ),
     },
@@ -651,6 +658,7 @@ export const EN: LessonText = {
     explicit: { word: "explicit", formula: <>points p₀, p₁, p₂, … and who is joined to whom</>, gloss: "A shape given by listing its points and how they are connected. It can be drawn as it stands." },
     implicit: { word: "implicit", formula: <>the shape is where f(p) = 0</>, gloss: "A shape given by a rule that can be asked at any point. It can be tested at once, and must be searched to be drawn." },
     planar: { word: "planar", formula: <>n · (p − a) = 0</>, gloss: "All of it lies in one plane. Three points always do." },
+    normal: { word: "normal", formula: <>n · (p − a) = 0 for all p of the plane, |n| = 1</>, gloss: "The unit vector perpendicular to a surface. Light is computed from it." },
     convex: { word: "convex", gloss: "A straight line between two of its points never leaves it. A triangle always is, a polygon may not be." },
     "edge-function": {
       word: "edge function",
@@ -664,16 +672,35 @@ export const EN: LessonText = {
       gloss: "The one way to write a point as a blend of three corners. All three are positive inside.",
     },
     uv: { word: "UV coordinates", gloss: "Two numbers at each corner that say which place of a picture lies there." },
+    tangent: { word: "tangent", formula: <>T = ∂p/∂u</>, gloss: "How a point of the surface moves as u grows and v stays. On a flat triangle it is the same everywhere." },
     triangulation: { word: "triangulation", formula: <>n corners, n − 2 triangles</>, gloss: "Cutting a polygon into triangles by diagonals. Every simple polygon has one." },
+    mesh: { word: "mesh", formula: <>vertices, and triangles between them</>, gloss: "A surface of triangles that share vertices and edges." },
     "vertex-buffer": { word: "vertex buffer", formula: <>12 bytes: x, y, z as 32-bit floats</>, gloss: "The list of vertices, each stored once with all that belongs to it." },
-    "index-buffer": { word: "index buffer", formula: <>6 bytes: three 16-bit numbers</>, gloss: "For each triangle the numbers of its three vertices." },
-    normal: { word: "normal", formula: <>n = normalize((v₁ − v₀) × (v₂ − v₀))</>, gloss: "The unit vector that stands on a surface. Light is computed from it." },
+    "index-buffer": { word: "index buffer", formula: <>6 bytes: three 16-bit numbers</>, gloss: "For each triangle the numbers of its three vertices. Beyond 65,536 vertices they take 32 bits each." },
+    "cross-product": {
+      word: "cross product",
+      formula: (
+        <>
+          (a<sub>y</sub>b<sub>z</sub> − a<sub>z</sub>b<sub>y</sub>, a<sub>z</sub>b<sub>x</sub> − a<sub>x</sub>b<sub>z</sub>, a<sub>x</sub>b<sub>y</sub> − a<sub>y</sub>b<sub>x</sub>)
+        </>
+      ),
+      gloss: "A vector perpendicular to a and b, as long as the parallelogram that they span is large. Swapped, it points the other way.",
+    },
     shading: { word: "flat and smooth shading", gloss: "One normal for each face, or one for each vertex, interpolated over the faces." },
     winding: { word: "winding", gloss: "The order of a triangle’s corners. Counter-clockwise, seen from the front, by convention." },
     culling: { word: "back-face culling", formula: <>skip if n · (eye − p) &lt; 0</>, gloss: "Not drawing triangles that show their back, which on a closed shape are always hidden." },
     manifold: { word: "manifold", formula: <>every edge: two triangles</>, gloss: "Around each point the surface looks like a disc. Together with closed, it has an inside." },
     "t-junction": { word: "T-junction", gloss: "A vertex on the edge of a neighbour that does not have it. Rounding opens a crack there." },
     "control-point": { word: "control point", gloss: "A point that pulls a curve or surface without lying on it, in general." },
+    bezier: {
+      word: "cubic Bézier curve",
+      formula: (
+        <>
+          Σ B<sub>i</sub>(t) P<sub>i</sub>, i = 0 … 3
+        </>
+      ),
+      gloss: "A curve by four points: two ends, and two that it leaves toward and comes from.",
+    },
     bernstein: {
       word: "Bernstein polynomials",
       formula: (
@@ -684,10 +711,11 @@ export const EN: LessonText = {
       gloss: "The weights of a Bézier curve’s control points: never negative from 0 to 1, and their sum is 1.",
     },
     "convex-hull": { word: "convex hull", gloss: "The smallest convex shape around some points: what a rubber band around them encloses." },
-    "de-casteljau": { word: "de Casteljau’s algorithm", formula: <>lerp, 4 → 3 → 2 → 1</>, gloss: "Evaluates a Bézier curve by blending neighbours until one point is left." },
-    runge: { word: "Runge’s phenomenon", gloss: "A polynomial through many equally spaced points swings ever wider near the ends." },
+    "de-casteljau": { word: "de Casteljau’s algorithm", formula: <>lerp(p, q, t) = (1 − t)p + tq: 4 → 3 → 2 → 1</>, gloss: "Evaluates a Bézier curve by blending neighbours until one point is left." },
+    runge: { word: "Runge’s phenomenon", gloss: "A polynomial through ever more equally spaced points may swing ever wider near the ends." },
     spline: { word: "spline", gloss: "A curve of many pieces of low degree that meet smoothly." },
     continuity: { word: "C0, C1, C2", formula: <>equal values; first derivatives, too; second, too</>, gloss: "How smoothly two pieces meet: position, direction and speed, bending." },
+    curvature: { word: "curvature", formula: <>κ = |c′ × c″| / |c′|³</>, gloss: "How fast the direction turns along a curve: one divided by the radius of the circle that fits." },
     "tensor-product": {
       word: "tensor product",
       formula: (
@@ -697,17 +725,18 @@ export const EN: LessonText = {
       ),
       gloss: "A surface whose weights are products of those of two curves. A bicubic patch has 4 × 4 points.",
     },
+    cage: { word: "cage", gloss: "A coarse control mesh, mostly of quads, that a smooth surface follows without touching it." },
     subdivision: { word: "subdivision surface", formula: <>faces × 4 each round</>, gloss: "The limit of splitting a cage’s faces and averaging its vertices, again and again." },
     tessellation: { word: "tessellation", gloss: "Turning a smooth shape into triangles, or a curve into segments." },
     chord: { word: "chord", formula: <>gap ≤ max|c″| h² / 8</>, gloss: "The straight line between two points of a curve. Half the step h, a quarter of the gap." },
-    "signed-distance": { word: "signed distance", formula: <>f(p) = |p| − r</>, gloss: "How far it is to the nearest point of the surface, negative inside." },
-    gradient: { word: "gradient", formula: <>∇f = (∂f/∂x, ∂f/∂y, ∂f/∂z)</>, gloss: "The direction in which a field grows fastest. Of a distance it has length 1 and is the normal." },
+    "signed-distance": { word: "signed distance", formula: <>of a ball: f(p) = |p| − r</>, gloss: "How far it is to the nearest point of the surface, negative inside." },
+    gradient: { word: "gradient", formula: <>∇f = (∂f/∂x, ∂f/∂y, ∂f/∂z)</>, gloss: "The direction in which a field grows fastest. Of a distance it has length 1, and on the surface it is the normal." },
     "sphere-tracing": { word: "sphere tracing", formula: <>t ← t + f(eye + t · way)</>, gloss: "Following a ray by steps as long as the field says is safe." },
     csg: { word: "constructive solid geometry (CSG)", formula: <>min(a, b), max(a, b), max(a, −b)</>, gloss: "Building solids by union, intersection and difference of simple ones." },
     "marching-cubes": { word: "marching cubes", formula: <>2⁸ = 256 cases</>, gloss: "Triangles from samples of a field, one lattice cell at a time, by the signs of its corners." },
     occupancy: { word: "occupancy", formula: <>o(p) ∈ [0, 1], surface at ½</>, gloss: "How sure one is that a point is inside: what vision networks learn." },
     baking: { word: "baking", gloss: "Computing a field’s values once and storing them on a lattice." },
-    overshading: { word: "overshading", formula: <>lanes run ÷ pixels covered</>, gloss: "Shading work for pixels that a triangle does not cover, because hardware shades blocks of 2 × 2." },
+    overshading: { word: "overshading", formula: <>pixels shaded ÷ pixels covered</>, gloss: "Shading work for pixels that a triangle does not cover, because hardware shades blocks of 2 × 2." },
     aliasing: { word: "aliasing", gloss: "Detail finer than the samples appears as false, flickering coarse detail." },
     lod: { word: "level of detail (LOD)", gloss: "The same shape with fewer triangles, for use from farther away." },
     "screen-space": { word: "screen-space error", formula: <>pixels ≈ length ÷ distance × height ÷ (2 tan(fov/2))</>, gloss: "An error as it is seen: its length in pixels at its distance." },
@@ -721,7 +750,7 @@ export const EN: LessonText = {
         ask: "Why triangles?",
         answer: (
           <>
-            Three points always lie in one plane, are convex, and blend what they carry in only one way. A fourth can leave the plane, here by{" "}
+            Three corners always lie in one plane, span a convex shape, and blend what they carry in one way only. A fourth can leave the plane, here by{" "}
             {say.number(facts.bulge)}, and then the surface depends on a diagonal that nobody stored.
           </>
         ),
@@ -751,8 +780,9 @@ export const EN: LessonText = {
         ask: "What are C0, C1 and C2, and why many pieces of low degree?",
         answer: (
           <>
-            C0: the pieces meet; C1: with one direction and speed; C2: with one bending, too, which a camera path needs; a reflection needs equal curvature alone (G2). One polynomial swings and moves
-            everywhere; short pieces stay calm and local.
+            C0: the pieces meet; C1: with the same direction and speed; C2: with the same bending, too, as a camera path needs; for a reflection equal curvature is enough
+            (G2). Many short pieces stay calm and local: lift one of eleven points by 0.15, and beyond its neighbours the spline moves by{" "}
+            {say.number(facts.runge.spline)}, one polynomial by {say.number(facts.runge.polynomial)}.
           </>
         ),
         figure: "joins",
@@ -762,7 +792,7 @@ export const EN: LessonText = {
         answer: (
           <>
             A mesh is drawn at once; its inside and its booleans need a search. A field answers inside, distance and booleans in a line; to be drawn it takes{" "}
-            {say.whole(facts.tracing.steps)} steps a ray, or a mesh. Engines carry both and convert.
+            {say.fixed(facts.rivals.steps, 1)} steps a ray, or a mesh. Engines carry both and convert.
           </>
         ),
         figure: "table",
@@ -771,8 +801,8 @@ export const EN: LessonText = {
         ask: "Are more triangles always better?",
         answer: (
           <>
-            Until every chord is within a pixel. Beyond that they show nothing new, and below a pixel each pixel is shaded {say.number(facts.overshade.below)} times and
-            shimmers.
+            Yes, until every chord is within a pixel. Beyond that they show nothing new; smaller than a pixel, they shade each one {say.number(facts.overshade.below)}{" "}
+            times, and shimmer.
           </>
         ),
         figure: "overshade",

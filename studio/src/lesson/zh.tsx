@@ -81,8 +81,8 @@ export const ZH: LessonText = {
       title: "三点必共面",
       text: (
         <p>
-          不共线的三个点，随你怎么放，过它们的平面恰好一个。所以三角形总是<Term id="planar">平</Term>的：法线只有一条，内部只有一种。第四个顶点却可以翘出去。把 D
-          抬起来，四个顶点之间夹着什么样的面，就说不清了。
+          不共线的三个点，随你怎么放，过它们的平面恰好一个。所以三角形总是<Term id="planar">平</Term>的：<Term id="normal">法线</Term>只有一条，内部只有一种。第四个顶点却可以翘出去。图中 D
+          抬起来了，四个顶点之间夹着什么样的面，就说不清了。
         </p>
       ),
       after: (
@@ -97,14 +97,14 @@ export const ZH: LessonText = {
       text: (
         <>
           <p>
-            三角形还总是<Term id="convex">凸</Term>的。一个点只要在三条边的同一侧，就在里面。在哪一侧，看一个<Term id="edge-function">边函数</Term>
-            的符号；它的值，是一个三角形有向面积的两倍：
+            三角形还总是<Term id="convex">凸</Term>的。一个点只要在三条边的同一侧，就在里面。在哪一侧，看<Term id="edge-function">边函数</Term>
+            的符号；从 a 到 b 的边，它的值是三角形 a、b、p 有向面积的两倍：
           </p>
           <Formula>
             E(p) = (b<sub>x</sub> − a<sub>x</sub>)(p<sub>y</sub> − a<sub>y</sub>) − (b<sub>y</sub> − a<sub>y</sub>)(p<sub>x</sub> − a<sub>x</sub>)
           </Formula>
           <p>
-            把点拖过一条边，<Set figure="inside" to={{ probe: [9.4, 5.6] }}>到外面去</Set>，只有一个符号会变。把三个顶点的次序倒过来，三个符号就一起翻转。
+            把点拖过一条边，<Set figure="inside" to={{ probe: [9.4, 5.6] }}>到外面去</Set>，恰有一个符号会变。把三个顶点的次序倒过来，三个符号就一起翻转。
           </p>
         </>
       ),
@@ -114,7 +114,7 @@ export const ZH: LessonText = {
       text: (
         <p>
           在每个像素的中心问一遍这三个符号，三角形就画好了。这叫<Term id="rasterization">光栅化</Term>
-          。走到下一个像素，边函数的增量是个常数，像素之间谁也不等谁，硬件一次能问几千个。三角形保证了什么，硬件就照着什么来造，别的一概不管。
+          。走到下一个像素，边函数的增量是个常数，像素之间谁也不等谁，硬件一次能问几千个。三角形保证了什么，硬件就照着什么来造。
         </p>
       ),
     },
@@ -123,7 +123,7 @@ export const ZH: LessonText = {
       text: (
         <>
           <p>
-            三个边函数各除以总面积，得到三个<Term id="barycentric">重心坐标</Term>，它们的和是一。顶点上存着什么都行，颜色、法线、纹理上的位置，都按这三个权重混合，而且混法只有一种：
+            三个边函数各除以三者之和（总面积的两倍），得到三个<Term id="barycentric">重心坐标</Term>，它们的和是一，各归所对的那个顶点。顶点上存着什么都行，颜色、法线、纹理上的位置，都按这三个权重混合，而且混法只有一种：
           </p>
           <Formula>
             p = w₀a + w₁b + w₂c,&ensp; w₀ + w₁ + w₂ = 1
@@ -139,8 +139,8 @@ export const ZH: LessonText = {
       title: "贴上一张图",
       text: (
         <p>
-          混合 u、v 两个数，一张图就贴在三角形上了，这两个数叫 <Term id="uv">UV 坐标</Term>。混合是线性的，所以整个面上 u
-          都朝同一个方向增长，这个方向就是切线。有了切线和法线，图里的凹凸才知道该让光往哪边偏。
+          混合 u、v 两个数，一张图就贴在三角形上了，这两个数叫 <Term id="uv">UV 坐标</Term>。混合是线性的，所以 v 不变、只让 u
+          增长，点在面上各处都朝同一个方向移动：这就是<Term id="tangent">切线</Term>。有了切线和法线，图里的凹凸才知道该让光往哪边偏。
         </p>
       ),
     },
@@ -148,7 +148,7 @@ export const ZH: LessonText = {
       title: "什么也没丢",
       text: (
         <p>
-          凸的 n 边形，从一个顶点出发，可以呈扇形分成 n − 2 个三角形；再曲折的简单多边形，也有<Term id="triangulation">三角剖分</Term>，不多不少，同样是 n − 2
+          凸的 n 边形，从一个顶点出发，可以呈扇形分成 n − 2 个三角形；再曲折的多边形，只要不自交，也有<Term id="triangulation">三角剖分</Term>，不多不少，同样是 n − 2
           个。因此只谈三角形，就什么都谈到了。
         </p>
       ),
@@ -157,18 +157,18 @@ export const ZH: LessonText = {
       title: "每个顶点只存一次",
       text: (
         <p>
-          眼前的茶壶由 {say.whole(facts.indexed.triangles)} 个三角形组成。逐个写出来，每个都得带上自己的三个顶点：九个数，36 字节。可是相邻的三角形本来就共用顶点。
+          眼前的茶壶是一张<Term id="mesh">网格</Term>，由 {say.whole(facts.indexed.triangles)} 个三角形组成。逐个写出来，每个都得带上自己的三个顶点：九个数，36 字节。可是相邻的三角形本来就共用顶点。
         </p>
       ),
       after: (
         <>
           <p>
-            那就把顶点各存一次，放进<Term id="vertex-buffer">顶点缓冲</Term>；三角形只报顶点的编号，放进<Term id="index-buffer">索引缓冲</Term>。一个顶点约 12
+            那就把顶点各存一次，放进<Term id="vertex-buffer">顶点缓冲</Term>；三角形只报顶点的编号，放进<Term id="index-buffer">索引缓冲</Term>。一个顶点 12
             字节，一个三角形 6 字节，不再是每个三角形 36 字节。这个茶壶因此占 {say.bytes(facts.indexed.bytes)}，而不是{" "}
             {say.bytes(facts.indexed.unindexed_bytes)}。法线、颜色、UV 跟着顶点走，也只存一次。
           </p>
           <p>
-            点一下某个顶点，涂上颜色的就是跟着它动的三角形。再看看同一个网格<Set figure="indexed" to={{ storage: "unindexed" }}>不用索引</Set>会怎样。
+            点一下某个顶点，黄色的就是用到它的全部三角形，它一动，它们都跟着动。再看看同一个网格<Set figure="indexed" to={{ storage: "unindexed" }}>不用索引</Set>会怎样。
           </p>
         </>
       ),
@@ -178,7 +178,7 @@ export const ZH: LessonText = {
       text: (
         <>
           <p>
-            一个面的<Term id="normal">法线</Term>垂直于它的两条边，用叉积就能求出。叉积的长度是面积的两倍，所以要缩放到一：
+            一个面的法线垂直于它的两条边，两条边的<Term id="cross-product">叉积</Term>也是。叉积的长度是面积的两倍，所以要缩放到一：
           </p>
           <Formula>n = normalize((v₁ − v₀) × (v₂ − v₀))</Formula>
         </>
@@ -209,7 +209,7 @@ export const ZH: LessonText = {
             把背对视点的三角形全部跳过，大约省去一半，而且是在碰到任何像素之前。
           </p>
           <p>
-            这个球上有三个三角形绕反了。不打光、不剔除的时候完全看不出来；一剔除，就是三个孔。<Set figure="culling" to={{ backs: "painted" }}>给背面涂上颜色</Set>
+            这个球上有三个三角形绕反了。两面都画、又不打光的时候完全看不出来；一剔除，就是三个孔。<Set figure="culling" to={{ backs: "painted" }}>给背面涂上颜色</Set>
             找到它们，再一个个翻过来。
           </p>
         </>
@@ -219,7 +219,7 @@ export const ZH: LessonText = {
       title: "什么时候才有内部",
       text: (
         <p>
-          如果每条边都恰好有两个三角形，网格就是封闭的<Term id="manifold">流形</Term>。内外因此分明，细分、布尔运算、物理模拟才做得成。有孔就不行；
+          如果每条边都恰好有两个三角形，每个顶点周围的三角形又绕成一圈，网格就是封闭的<Term id="manifold">流形</Term>。内外因此分明，细分、布尔运算、物理模拟才做得成。有孔就不行；
           <Term id="t-junction">T 形接点</Term>也不行：一个三角形的顶点落在别人的边上，那条边却没有它。两个网格静静摆着可以一模一样，一打光、一剔除、一切割，就见了分晓。挑一个病人看看：每种毛病都有名字，也有治法。
         </p>
       ),
@@ -229,18 +229,18 @@ export const ZH: LessonText = {
       text: (
         <>
           <p>
-            没有人一个三角形一个三角形地捏茶壶。作者摆的是<Term id="control-point">控制点</Term>：一片曲面十六个，一条曲线四个。曲线在 t 处的点，是四个控制点按
+            没有人一个三角形一个三角形地捏茶壶。作者摆的是<Term id="control-point">控制点</Term>：一片曲面十六个，一条曲线四个，这样的曲线叫<Term id="bezier">三次贝塞尔曲线</Term>。它在 t 处的点，是四个控制点按
             <Term id="bernstein">伯恩斯坦</Term>权重的混合：
           </p>
           <Formula>
             (1 − t)³ P₀ + 3t(1 − t)² P₁ + 3t²(1 − t) P₂ + t³ P₃
           </Formula>
           <p>
-            权重从不为负，和为一，所以曲线走不出控制点的<Term id="convex-hull">凸包</Term>。它从 P₀ 出发，到 P₃ 结束，出发和到达都顺着手柄的方向。圆点的大小，表示 t ={" "}
+            t 从 0 到 1，权重都不为负，和为一，所以曲线走不出控制点的<Term id="convex-hull">凸包</Term>。它从 P₀ 朝着 P₁ 出发，从 P₂ 的方向到达 P₃。圆点的大小，表示 t ={" "}
             <Handle figure="bernstein" field="t" value={0.35} low={-0.1} high={1.1} step={0.05} name="t" /> 时每个点的分量。让 t 超过 1 试试：有个权重变负，曲线就跑出去了。
           </p>
           <p>
-            <Term id="de-casteljau">德卡斯特里奥算法</Term>连权重都不用：相邻两点取中间，四个变三个，三个变两个，最后剩一个。曲线上的点、切线、左右两半，一并到手。
+            <Term id="de-casteljau">德卡斯特里奥算法</Term>连权重都不用：相邻两点取中间，四个变三个，三个变两个，最后剩一个。曲线上的点、切线、左右两段的控制点，一并到手。
           </p>
         </>
       ),
@@ -268,7 +268,7 @@ export const ZH: LessonText = {
       text: (
         <p>
           <Term id="continuity">C0</Term>：这段的终点是那段的起点，可能有折角。C1：方向和速度也一致。C2：弯曲也一致。C1 与 C2 的区别，单看线条未必看得出，看
-          <Set figure="joins" to={{ keep: "C1" }}>反射的条纹</Set>就清楚了：曲率在哪里突变，条纹就在哪里折。保持 <Set figure="joins" to={{ keep: "C2" }}>C2</Set>，条纹就连续通过。
+          <Set figure="joins" to={{ keep: "C1" }}>反射的条纹</Set>就清楚了：<Term id="curvature">曲率</Term>在哪里突变，条纹就在哪里折。保持 <Set figure="joins" to={{ keep: "C2" }}>C2</Set>，条纹就连续通过。
         </p>
       ),
     },
@@ -280,8 +280,8 @@ export const ZH: LessonText = {
       title: "从曲线到曲面",
       text: (
         <p>
-          让曲线的四个点各自沿着一条曲线走，整条曲线就扫出一片曲面：<Term id="tensor-product">张量积</Term>曲面片，4 × 4 个控制点。1975 年的那只茶壶由 32
-          片拼成，12 kB 的文本，放多大都是准的。
+          让曲线的四个点各自沿着一条曲线走，整条曲线就扫出一片曲面：<Term id="tensor-product">张量积</Term>曲面片，4 × 4 个控制点。这只茶壶是马丁·纽维尔（Martin Newell）1975 年画的，由 32
+          片拼成：7 kB 的文本，放多大都是光滑的。
         </p>
       ),
     },
@@ -289,7 +289,7 @@ export const ZH: LessonText = {
       title: "或者，把控制网格磨圆",
       text: (
         <p>
-          美术师更爱推拉一个粗糙的控制网格。Catmull–Clark <Term id="subdivision">细分</Term>把每个面分成四个，再取平均：分{" "}
+          美术师更爱推拉一个由四边形组成的粗网格，叫<Term id="cage">控制网格</Term>。Catmull–Clark <Term id="subdivision">细分</Term>把每个四边形分成四个，再取平均：分{" "}
           <Handle figure="cage" field="level" value={2} low={0} high={5} name="细分次数" />{" "}
           次，就已经很难和光滑的极限曲面区分了。每细分一次，面数变为四倍，误差约剩四分之一。不管是曲面片还是控制网格，到最后一刻，全都变成三角形。
         </p>
@@ -297,7 +297,7 @@ export const ZH: LessonText = {
     },
     pull: {
       title: "拉一拉控制网格",
-      text: <p>拖动控制网格的一个顶点，只有它周围两圈的面跟着动。造型的人因此愿意用控制网格来想问题：几百个点，每个点只管一件清楚的事。</p>,
+      text: <p>拖动控制网格的一个顶点，曲面跟着动：最近处动得最多，这里走它的八分之三；两圈面以外一点不动，不过立方体一共也就两圈。造型的人因此愿意用控制网格来想问题：几百个点，每个点只管一件清楚的事。</p>,
     },
     segments: {
       title: "多少段看起来才光滑？",
@@ -344,7 +344,7 @@ export const ZH: LessonText = {
       ),
       after: (
         <p>
-          空旷处一步跨出老远，贴着表面就只能慢慢蹭：这幅画里最慢的一条走了 {say.whole(facts.tracing.most)} 步。显示前{" "}
+          空旷处一步跨出老远，贴着表面就只能慢慢蹭：这幅画里最慢的一条要走 {say.whole(facts.tracing.most)} 步。跟着你的这条走{" "}
           <Handle figure="tracing" field="shown" value={4} low={0} high={40} name="显示的步数" /> 步。
         </p>
       ),
@@ -370,14 +370,14 @@ export const ZH: LessonText = {
       title: "回到三角形",
       text: (
         <p>
-          硬件只画三角形，场也得变过去。先在格点上采样；再看每个单元的顶点哪些在里面，两端不同的边上放一个顶点：这就是<Term id="marching-cubes">移动立方体</Term>
+          硬件只画三角形，场也得变过去。先在格点上采样；再看每个单元的顶点哪些在里面，两端不同的边上放一个顶点，再连起来：这就是<Term id="marching-cubes">移动立方体</Term>
           ，平面上叫移动正方形。尖角会被切掉，除非网格化算法知道形状由哪些部分组成，把顶点放到<Set figure="squares" to={{ method: "corners" }}>它们相交的地方</Set>。
         </p>
       ),
     },
     cubes: {
       title: "一个单元一个单元，整张曲面",
-      text: <p>到了空间里，一个单元八个顶点，共 256 种情形。逐个走完，一张曲面就出来了，而且天生封闭：公共的边上有没有顶点、在哪里，相邻的单元算出来是一样的。</p>,
+      text: <p>到了空间里，一个单元八个顶点，内外共有 256 种情形。单元逐个走完，一张曲面就出来了，而且天生封闭，只要相邻的单元对公共的面读法一致；1987 年最早发表的那张表，还没有完全做到。</p>,
     },
     network: {
       title: "学出来的规则",
@@ -391,7 +391,7 @@ export const ZH: LessonText = {
       title: "一来一回",
       text: (
         <p>
-          两种回答谁也赢不了谁，所以引擎两种都带着，来回转换。要碰撞、要融合，就把茶壶的 {say.whole(facts.baking.triangles)} 个三角形<Term id="baking">烘焙</Term>
+          引擎两种都带着，来回转换。要碰撞、要融合，就把茶壶的 {say.whole(facts.baking.triangles)} 个三角形<Term id="baking">烘焙</Term>
           成格点上的距离，这里是 {say.whole(facts.baking.samples)} 个样本；再网格化回来，成了 {say.whole(facts.baking.back)}{" "}
           个三角形。每一程都有损失，每份损失都有上界；这里的上界给得宽，因为壶嘴和壶把伸进了壶身。最长边方向只取{" "}
           <Handle figure="baking" field="cells" value={20} low={6} high={36} name="最长边方向的单元数" /> 个单元，看看壶把会变成什么样。
@@ -444,7 +444,7 @@ export const ZH: LessonText = {
       ),
       after: (
         <p>
-          两者的误差都至多一个像素；同是一个像素，在茶壶上是四分之一毫米，在山上是一米多。退到<Set figure="levels" to={{ stop: 4 }}>六米外</Set>，茶壶只需{" "}
+          两者的误差都至多一个像素，在屏幕的角上也是；同是一个像素，在茶壶上是四分之一毫米，在山上是一米多。退到<Set figure="levels" to={{ stop: 4 }}>六米外</Set>，茶壶只需{" "}
           {say.whole(facts.levels.far.teapot)} 个三角形，山毫无变化。
         </p>
       ),
@@ -454,13 +454,13 @@ export const ZH: LessonText = {
       text: (
         <p>
           同一层里也不必处处一样密。曲面弯的地方、离镜头近的地方、<Term id="silhouette">轮廓线</Term>
-          上，三角形要挤一些：直边衬着背景最显眼。平的、远的，少放几个就行。规矩到处相同：每条弦的误差都在一个像素左右。
+          上，三角形要挤一些：直边衬着背景最显眼。平的、远的，少放几个就行。轮廓线上，每条弦的误差都在一个像素以内；正对着你的面，误差顺着视线，大一些也无妨。
         </p>
       ),
     },
     mountain: {
       title: "按真实大小",
-      text: <p>把茶壶和山放进同一幅画，各画上一个像素作比较。每条弦都长到了极限，却再也看不出来。</p>,
+      text: <p>把两者放进同一幅画，沿着边移动放大镜：灰色是真实的曲面，蓝色是三角形，一格一个像素。每条弦都长到了极限，可你本来一条也看不出来。</p>,
     },
   }),
   table: ({ rivals }, say) => (
@@ -574,21 +574,41 @@ export const ZH: LessonText = {
     explicit: { word: "显式", formula: <>点 p₀, p₁, p₂, … 以及谁与谁相连</>, gloss: "列出点和它们的连接来表示形状。拿来就能画。" },
     implicit: { word: "隐式", formula: <>形状就是 f(p) = 0 之处</>, gloss: "用一条可以在任意点求值的规则来表示形状。判定内外一问便知，要画则须搜索。" },
     planar: { word: "平（共面）", formula: <>n · (p − a) = 0</>, gloss: "整个落在一个平面里。不共线的三点恰好定一个平面。" },
+    normal: { word: "法线", formula: <>对平面上任意 p：n · (p − a) = 0，|n| = 1</>, gloss: "垂直于表面的单位向量，光照由它算出。" },
     convex: { word: "凸", gloss: "任取其中两点，连线都不会跑出去。三角形总是凸的，多边形则不一定。" },
     "edge-function": { word: "边函数", formula: <>E(p) = (b − a) × (p − a)</>, gloss: "a、b、p 构成的三角形有向面积的两倍；p 在从 a 到 b 的边左侧时为正。" },
     rasterization: { word: "光栅化", gloss: "在像素中心求三个边函数的值，定出三角形覆盖哪些像素。" },
     barycentric: { word: "重心坐标", formula: <>p = w₀a + w₁b + w₂c, w₀ + w₁ + w₂ = 1</>, gloss: "把一个点写成三个顶点的混合，写法唯一。在内部，三个权重都为正。" },
     uv: { word: "UV 坐标", gloss: "每个顶点上的两个数，说明那里对应图片的哪个位置。" },
+    tangent: { word: "切线", formula: <>T = ∂p/∂u</>, gloss: "v 不变、u 增长时，面上的点朝哪里移动。在平的三角形上处处相同。" },
     triangulation: { word: "三角剖分", formula: <>n 个顶点，n − 2 个三角形</>, gloss: "用对角线把多边形分成三角形。简单多边形总能这样分。" },
+    mesh: { word: "网格", formula: <>顶点，以及顶点之间的三角形</>, gloss: "由三角形拼成的曲面，三角形之间共用顶点和边。" },
     "vertex-buffer": { word: "顶点缓冲", formula: <>12 字节：x、y、z，各 32 位浮点数</>, gloss: "顶点的清单，每个顶点连同它的属性只存一次。" },
-    "index-buffer": { word: "索引缓冲", formula: <>6 字节：三个 16 位整数</>, gloss: "每个三角形记三个顶点的编号。" },
-    normal: { word: "法线", formula: <>n = normalize((v₁ − v₀) × (v₂ − v₀))</>, gloss: "垂直于表面的单位向量，光照由它算出。" },
+    "index-buffer": { word: "索引缓冲", formula: <>6 字节：三个 16 位整数</>, gloss: "每个三角形记三个顶点的编号。顶点超过 65,536 个时，每个编号要 32 位。" },
+    "cross-product": {
+      word: "叉积",
+      formula: (
+        <>
+          (a<sub>y</sub>b<sub>z</sub> − a<sub>z</sub>b<sub>y</sub>, a<sub>z</sub>b<sub>x</sub> − a<sub>x</sub>b<sub>z</sub>, a<sub>x</sub>b<sub>y</sub> − a<sub>y</sub>b<sub>x</sub>)
+        </>
+      ),
+      gloss: "同时垂直于 a 和 b 的向量，长度等于它们张成的平行四边形的面积。两者对调，方向相反。",
+    },
     shading: { word: "平直着色与平滑着色", gloss: "前者每个面一条法线；后者每个顶点一条，在面内插值。" },
     winding: { word: "环绕方向", gloss: "三角形三个顶点的次序。约定从正面看是逆时针。" },
     culling: { word: "背面剔除", formula: <>n · (eye − p) &lt; 0 则跳过</>, gloss: "不画背对视点的三角形；形状封闭时，它们总被挡住。" },
     manifold: { word: "流形", formula: <>每条边：两个三角形</>, gloss: "任何一点附近看起来都像一个圆盘。再加上封闭，就有了内部。" },
     "t-junction": { word: "T 形接点", gloss: "顶点落在邻居的边上，而邻居没有这个顶点。舍入误差会在那里撕开一道缝。" },
     "control-point": { word: "控制点", gloss: "牵引曲线或曲面的点，一般不在曲线曲面上。" },
+    bezier: {
+      word: "三次贝塞尔曲线",
+      formula: (
+        <>
+          Σ B<sub>i</sub>(t) P<sub>i</sub>，i = 0 … 3
+        </>
+      ),
+      gloss: "由四个点决定的曲线：两个端点，另外两个管它出发和到达的方向。",
+    },
     bernstein: {
       word: "伯恩斯坦多项式",
       formula: (
@@ -599,10 +619,11 @@ export const ZH: LessonText = {
       gloss: "贝塞尔曲线各控制点的权重：t 从 0 到 1 时都不为负，和为 1。",
     },
     "convex-hull": { word: "凸包", gloss: "包住若干点的最小凸形：拿橡皮筋一套，围住的就是。" },
-    "de-casteljau": { word: "德卡斯特里奥算法", formula: <>线性插值，4 → 3 → 2 → 1</>, gloss: "相邻两点反复插值，直到只剩一个点，即曲线上的点。" },
-    runge: { word: "龙格现象", gloss: "多项式穿过许多等距的点时，越靠两端振荡越大。" },
+    "de-casteljau": { word: "德卡斯特里奥算法", formula: <>lerp(p, q, t) = (1 − t)p + tq：4 → 3 → 2 → 1</>, gloss: "相邻两点反复插值，直到只剩一个点，即曲线上的点。" },
+    runge: { word: "龙格现象", gloss: "多项式穿过等距的点，点越多，两端的振荡可能越大。" },
     spline: { word: "样条", gloss: "由许多低次曲线段平滑相接而成的曲线。" },
     continuity: { word: "C0、C1、C2", formula: <>值相等；一阶导数也相等；二阶导数也相等</>, gloss: "两段接得有多平滑：位置，方向与速度，弯曲。" },
+    curvature: { word: "曲率", formula: <>κ = |c′ × c″| / |c′|³</>, gloss: "沿曲线走，方向转得有多快：等于最贴合的那个圆的半径的倒数。" },
     "tensor-product": {
       word: "张量积",
       formula: (
@@ -612,17 +633,18 @@ export const ZH: LessonText = {
       ),
       gloss: "权重是两条曲线权重之积的曲面。双三次曲面片有 4 × 4 个控制点。",
     },
+    cage: { word: "控制网格", gloss: "粗糙的网格，多由四边形组成；光滑的曲面跟着它走，但不碰到它。" },
     subdivision: { word: "细分曲面", formula: <>每次面数 × 4</>, gloss: "把控制网格的面一分再分、顶点反复取平均，所趋近的极限。" },
     tessellation: { word: "曲面细分（tessellation）", gloss: "把光滑的形状变成三角形，或把曲线变成线段。也译作镶嵌；与细分曲面是两回事。" },
     chord: { word: "弦", formula: <>弦高误差 ≤ max|c″| h² / 8</>, gloss: "曲线上两点间的直线段。步长 h 减半，弦高误差剩四分之一。" },
-    "signed-distance": { word: "有向距离", formula: <>f(p) = |p| − r</>, gloss: "到表面最近点的距离，内部取负。" },
+    "signed-distance": { word: "有向距离", formula: <>球：f(p) = |p| − r</>, gloss: "到表面最近点的距离，内部取负。" },
     gradient: { word: "梯度", formula: <>∇f = (∂f/∂x, ∂f/∂y, ∂f/∂z)</>, gloss: "场增长最快的方向。距离场的梯度长度为 1，在表面上就是法线。" },
     "sphere-tracing": { word: "球面追踪", formula: <>t ← t + f(eye + t · way)</>, gloss: "沿射线前进，每步的长度由场保证安全。" },
     csg: { word: "构造实体几何（CSG）", formula: <>min(a, b), max(a, b), max(a, −b)</>, gloss: "用简单实体的并、交、差造出复杂的实体。" },
     "marching-cubes": { word: "移动立方体", formula: <>2⁸ = 256 种情形</>, gloss: "由场的样本得到三角形：一次一个单元，看各个顶点的符号。" },
     occupancy: { word: "占据", formula: <>o(p) ∈ [0, 1]，表面在 ½ 处</>, gloss: "有多大把握说一点在里面；视觉网络学的就是它。" },
     baking: { word: "烘焙", gloss: "把场的值一次算好，存到格点上。" },
-    overshading: { word: "过度着色", formula: <>实际着色次数 ÷ 覆盖的像素数</>, gloss: "硬件按 2 × 2 的块着色，三角形没有覆盖到的像素也白白算了一遍。" },
+    overshading: { word: "过度着色", formula: <>着色的像素数 ÷ 覆盖的像素数</>, gloss: "硬件按 2 × 2 的块着色，三角形没有覆盖到的像素也白白算了一遍。" },
     aliasing: { word: "走样", gloss: "细节比采样还密，显出来就成了虚假的、闪动的粗花纹。" },
     lod: { word: "细节层次（LOD）", gloss: "同一个形状，三角形更少，供更远处使用。" },
     "screen-space": { word: "屏幕空间误差", formula: <>像素 ≈ 长度 ÷ 距离 × 高度 ÷ (2 tan(fov/2))</>, gloss: "眼睛看到的误差：它的长度在那个距离上占多少像素。" },
@@ -662,7 +684,8 @@ export const ZH: LessonText = {
       joins: {
         ask: "C0、C1、C2 是什么？为什么要许多段低次曲线？",
         answer: (
-          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它，反射只需曲率连续（G2）。一个高次多项式会振荡，一点动，处处动；短的低次曲线安稳，互不牵连。</>
+          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它；反射只需曲率相等（G2）。许多短的低次曲线安稳，互不牵连：十一个点中的一个抬高 0.15，相邻两点以外，样条最多动{" "}
+            {say.number(facts.runge.spline)}，一个多项式动 {say.number(facts.runge.polynomial)}。</>
         ),
         figure: "joins",
       },
@@ -670,7 +693,7 @@ export const ZH: LessonText = {
         ask: "网格和场，各自擅长什么，不擅长什么？",
         answer: (
           <>
-            网格马上能画；判定内外、做布尔运算都要搜索。场判定内外、求距离、做布尔运算都只要一行；要画，则一条射线走 {say.whole(facts.tracing.steps)}{" "}
+            网格马上能画；判定内外、做布尔运算都要搜索。场判定内外、求距离、做布尔运算都只要一行；要画，则一条射线平均走 {say.fixed(facts.rivals.steps, 1)}{" "}
             步，或者先变成网格。引擎两种都用，来回转换。
           </>
         ),
@@ -680,7 +703,7 @@ export const ZH: LessonText = {
         ask: "三角形越多越好吗？",
         answer: (
           <>
-            每条弦的误差都在一个像素以内，就到头了。再多也显示不出新东西；小于一个像素时，每个像素要着色 {say.number(facts.overshade.below)} 次，还会闪。
+            是，直到每条弦的误差都在一个像素以内。再多也显示不出新东西；小于一个像素时，每个像素要着色 {say.number(facts.overshade.below)} 次，还会闪。
           </>
         ),
         figure: "overshade",
