@@ -1,8 +1,8 @@
 // One mesh, stored with an index and without.
 import { Choice, Figure as Data, Slider } from "../view/parts";
-import { type MeshLayer, type Picture, type Vec3, type View, exploded } from "../viewer";
+import { type MeshLayer, type Picture, type Projector, type Vec3, type View, exploded, pick, row } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
-import { number, view, word } from "./fragment";
+import { number, numbers, type Part, view, word } from "./fragment";
 import { FRAME } from "./frame_texts";
 import { PAINT } from "./paint";
 import { Scene } from "./Scene";
@@ -12,6 +12,8 @@ interface State {
   /** The largest distance allowed from the teapot, as a stop of the slider. */
   stop: number;
   storage: "indexed" | "unindexed";
+  /** The vertex nearest to this point is marked, however fine the mesh is. */
+  near: Vec3;
   view: View;
 }
 
@@ -31,9 +33,11 @@ interface Answer {
 /** The stops of the slider: from 0.5 units down to 0.005, each four fifths of the previous one. */
 const STOPS = Array.from({ length: 22 }, (_, i) => Number((0.5 * 0.8 ** i).toPrecision(3)));
 const HOME: View = { azimuth: -68, elevation: 22, distance: 10.6, target: [0.35, 0, 1.5] };
-const defaults: State = { stop: 4, storage: "indexed", view: HOME };
 /** On the belly, which faces the initial view. */
 const NEAR: Vec3 = [0.35, -1.9, 1.3];
+const defaults: State = { stop: 4, storage: "indexed", near: NEAR, view: HOME };
+/** Within the teapot's box, in thousandths: vertices of the finest mesh are farther apart. */
+const place = numbers(3, 3, number(-4, 4, 1000)) as unknown as Part<Vec3>;
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -51,11 +55,12 @@ interface Texts extends CommonTexts {
   perVertex: string;
   here: string;
   shared(n: string): string;
+  another: string;
 }
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: FRAME.en.turn,
+    hint: `Press a vertex to mark it. ${FRAME.en.turn}`,
     figure: "A teapot of triangles; those that share one marked vertex are yellow",
     handle: "Triangles",
     finer: (n) => `${n} triangles`,
@@ -75,7 +80,8 @@ const texts: Record<Language, Texts> = {
     vertices: "Vertices",
     perVertex: "Triangles at a vertex, mean",
     here: "At the marked vertex",
-    shared: (n) => `${n}`,
+    shared: (n) => `${n} triangles`,
+    another: "Mark the next one",
     story: [
       "Every triangle of a closed surface has three edges, and every edge two triangles; by Euler’s formula *about six triangles share a vertex*. Written corner by corner, a triangle takes 36 bytes. With a list of vertices and three small indices it takes 12: six for the indices, six for its half of a vertex.",
       "The attributes of a position (normal, colour, texture coordinate) are stored once, too, and moved once if the shape moves. And a vertex that was just computed need not be computed again for the next triangle that uses it.",
@@ -87,7 +93,7 @@ const texts: Record<Language, Texts> = {
     ],
   },
   zh: {
-    hint: FRAME.zh.turn,
+    hint: `点一下顶点，把它标出来。${FRAME.zh.turn}`,
     figure: "由三角形构成的茶壶；共用同一个标出顶点的三角形为黄色",
     handle: "三角形数",
     finer: (n) => `${n} 个三角形`,
@@ -105,7 +111,8 @@ const texts: Record<Language, Texts> = {
     vertices: "顶点",
     perVertex: "每个顶点的三角形数（平均）",
     here: "标出的顶点处",
-    shared: (n) => `${n} 个`,
+    shared: (n) => `${n} 个三角形`,
+    another: "标出下一个",
     story: [
       "在封闭曲面上，每个三角形有三条边，每条边属于两个三角形；由欧拉公式，*一个顶点约由六个三角形共用*。各存各的，一个三角形要 36 字节；改为顶点表加三个小整数的索引，只要 12 字节：索引六字节，分摊到的半个顶点六字节。",
       "随位置存放的属性（法线、颜色、纹理坐标）同样只存一次；形状变化时也只移动一次。刚算过的顶点，下一个用到它的三角形不必再算。",
@@ -177,6 +184,20 @@ function pictureOf({ state, answer, isStill }: Page): Picture {
   };
 }
 
+/** The vertex under a pixel, or rather the nearest corner of the triangle there. */
+function vertexAt({ state, answer }: Page, at: Projector, x: number, y: number): Vec3 | undefined {
+  const { positions, indices } = state.storage === "unindexed" && explodedCache ? explodedCache.mesh : answer.mesh;
+  const face = pick(at, x, y, positions, indices);
+  if (face === undefined) return undefined;
+  const away = (k: number) => {
+    const [right, down] = at.to(row(positions, indices[3 * face + k]!));
+    return Math.hypot(right - x, down - y);
+  };
+  const corner = [0, 1, 2].reduce((best, k) => (away(k) < away(best) ? k : best));
+  // Triangles that are apart are in the order of those that are not.
+  return row(answer.mesh.positions, answer.mesh.indices[3 * face + corner]!);
+}
+
 function Figure({ page }: { page: Page }) {
   const { state, texts, set, isStill } = page;
   return (
@@ -188,6 +209,10 @@ function Figure({ page }: { page: Page }) {
       home={HOME}
       look={(view) => set({ view })}
       isStill={isStill}
+      tap={(at, x, y) => {
+        const near = vertexAt(page, at, x, y);
+        if (near) set({ near });
+      }}
     />
   );
 }
@@ -289,6 +314,14 @@ function Panel({ page }: { page: Page }) {
           </dd>
         </div>
       </dl>
+      <div class="buttons">
+        <button
+          type="button"
+          onClick={() => set({ near: row(answer.mesh.positions, (answer.vertex.row + 1) % answer.vertices) })}
+        >
+          {texts.another}
+        </button>
+      </div>
     </>
   );
 }
@@ -298,9 +331,10 @@ export default exhibit<State, Answer, Texts>({
   parts: {
     stop: ["n", number(0, STOPS.length - 1)],
     storage: ["s", word("indexed", "unindexed")],
+    near: ["p", place],
     view: ["o", view],
   },
-  question: ({ stop }) => ({ shape: "teapot", length: STOPS[stop], near: NEAR }),
+  question: ({ stop, near }) => ({ shape: "teapot", length: STOPS[stop], near }),
   texts,
   number: liveNumber,
   Figure,

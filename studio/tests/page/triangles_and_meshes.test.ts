@@ -148,6 +148,33 @@ test("index: bytes are 12 a vertex and 6 a triangle, and 36 a triangle without",
   expect(await digits(page, "ring")).toBeGreaterThan(3);
 });
 
+test("index: a pressed vertex is marked, the address keeps it, and a button marks others", async () => {
+  const page = await pages.at("indexed.html");
+  await live(page);
+  const marked = async () => {
+    const state = await pages.state("indexed");
+    const { vertex, mesh } = pages.core.ask("exhibit", { exhibit: "indexed", ...pages.exhibits.get("indexed")!.question(state) }) as {
+      vertex: { row: number; at: Vec3; faces: number[] };
+      mesh: { indices: Uint32Array };
+    };
+    const faces = Array.from({ length: mesh.indices.length / 3 }, (_, face) => face);
+    return { near: state["near"] as Vec3, vertex, users: faces.filter((face) => mesh.indices.subarray(3 * face, 3 * face + 3).includes(vertex.row)) };
+  };
+  const first = await marked();
+  const box = (await page.locator(".scene").boundingBox())!;
+  // On the belly, right of the marked one.
+  await page.mouse.click(box.x + 0.55 * box.width, box.y + 0.66 * box.height);
+  await settled(page);
+  const second = await marked();
+  expect(second.vertex.row).not.toBe(first.vertex.row);
+  expect(second.near.map((x) => Math.round(1e3 * x))).toEqual(second.vertex.at.map((x) => Math.round(1e3 * x)));
+  expect(second.vertex.faces).toEqual(second.users);
+  expect(await digits(page, "ring")).toBe(second.users.length);
+  await page.getByRole("button", { name: "Mark the next one" }).click();
+  await settled(page);
+  expect((await marked()).vertex.row).toBe(second.vertex.row + 1);
+});
+
 test("normals: a cube has 24 vertices below 90°, 8 above; a smooth ball needs no additional vertices", async () => {
   const page = await pages.at("normals.html");
   await live(page);
