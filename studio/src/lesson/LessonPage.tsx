@@ -201,16 +201,16 @@ type BlockProps = LessonProps & { plan: BlockPlan; block: BlockText; guess: Gues
 function Block(props: BlockProps) {
   const { plan, block, guess, text, facts, code, language } = props;
   return (
-    <article class={plan.figure ? "block with-figure" : "block"} id={`block-${plan.id}`}>
+    <article class={`block${plan.figure ? " with-figure" : ""}${plan.table ? " with-table" : ""}`} id={`block-${plan.id}`}>
       <div class="words">
         <h3>{block.title}</h3>
         {block.text}
         {plan.guess && guess && <Guess id={plan.id} plan={plan.guess} guess={guess} facts={facts} words={text.words} />}
         {block.after && <div class="after">{block.after}</div>}
-        {plan.table && text.table(facts, new Say(language))}
-        {plan.code && <Code name={plan.code} code={code} words={text.words} />}
       </div>
+      {plan.table && text.table(facts, new Say(language))}
       {plan.figure && <PlacedFigure {...props} figure={plan.figure} />}
+      {plan.code && <Code name={plan.code} code={code} words={text.words} />}
     </article>
   );
 }
