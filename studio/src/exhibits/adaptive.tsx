@@ -34,7 +34,7 @@ interface Answer {
 
 const CUTS: readonly Cut[] = ["bends", "near", "outline"];
 /** Budgets in pixels. */
-const STOPS = [0.25, 0.5, 1, 2, 4, 8, 16];
+export const STOPS = [0.25, 0.5, 1, 2, 4, 8, 16];
 const HOMES: Record<Landscape, View> = {
   teapot: { azimuth: -62, elevation: 20, distance: 4.6, target: [0.05, 0, 0.42] },
   landscape: { azimuth: -84, elevation: 11, distance: 5.2, target: [0.2, 1, 0.7] },
@@ -83,9 +83,9 @@ const texts: Record<Language, Texts> = {
     meaning: ({ cuts }, px, elsewhere) =>
       !cuts.includes("bends")
         ? "Every patch has the same number of cells: as many as the one that needs most."
-        : `${cuts.includes("near") ? `Every place is within ${px} of where it should be in the picture` : `One length for all places: that of ${px} at the nearest one`}${
-            cuts.includes("outline") ? `; where there is no outline, within ${elsewhere} times as many.` : "."
-          }`,
+        : `${cuts.includes("outline") ? "Along the outline every" : "Every"} place is within ${px} of where it should be in the picture${
+            cuts.includes("outline") ? `, elsewhere within ${elsewhere} times as many` : ""
+          }${cuts.includes("near") ? "." : "; for that, one length is used everywhere, the nearest place’s."}`,
     steps: "Triangles from this eye, as far as you have tried",
     ladder: ["cut equally", "+ bends", "+ distance", "+ outline"],
     sizes: "Area of a triangle in the picture, in pixels",
@@ -117,9 +117,9 @@ const texts: Record<Language, Texts> = {
     meaning: ({ cuts }, px, elsewhere) =>
       !cuts.includes("bends")
         ? "每个曲面片都切成同样多的单元：由最难的一片决定。"
-        : `${cuts.includes("near") ? `画面上每一处的误差都在 ${px}以内` : `处处用同一个长度：最近处的 ${px}`}${
-            cuts.includes("outline") ? `；没有轮廓线的地方放宽到 ${elsewhere} 倍。` : "。"
-          }`,
+        : `画面上${cuts.includes("outline") ? "，轮廓线" : "每一处"}的误差都在 ${px}以内${
+            cuts.includes("outline") ? `，其余地方放宽到 ${elsewhere} 倍` : ""
+          }${cuts.includes("near") ? "。" : "；为此处处都用最近处的那个长度。"}`,
     steps: "从这里看所需的三角形（试过的才列出）",
     ladder: ["等分", "加上弯曲", "加上远近", "加上轮廓线"],
     sizes: "三角形在画面里的面积（像素）",

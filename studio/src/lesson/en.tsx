@@ -1,5 +1,6 @@
 // The lesson in English.
 // Long because the texts of one language stand in one file, in the order of the page.
+import { STOPS as BUDGETS } from "../exhibits/adaptive";
 import { STOPS as DISTANCES, metres } from "../exhibits/levels";
 import { STOPS as SIDES } from "../exhibits/overshade";
 import type { LessonText } from "./lesson";
@@ -69,17 +70,17 @@ export const EN: LessonText = {
   },
   blocks: (facts, say) => ({
     two: {
-      title: "Two answers",
+      title: "Two rival answers",
       text: (
         <>
           <p>
-            There are two rival answers. You can write down <em>points</em>, and how they are connected: a list that can be drawn as it stands. That is an{" "}
+            You can write down <em>points</em>, and how they are connected: a list that can be drawn as it stands. That is an{" "}
             <Term id="explicit">explicit</Term> shape. Or you can write down a <em>rule</em> that takes any point of space and says whether it is in or out: an{" "}
             <Term id="implicit">implicit</Term> shape.
           </p>
           <p>
-            Everything after depends on the choice: how you draw it, cut it, store it, and how you know that it is right. We begin with points, follow the teapot
-            until it is on the screen, then start again from the rule.
+            Everything after depends on the choice: how you draw, cut and store it, and how you know that it is right. We follow points until the teapot is on the screen,
+            then start again from the rule.
           </p>
         </>
       ),
@@ -96,8 +97,8 @@ export const EN: LessonText = {
       after: (
         <p>
           Lift it to <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="Height of corner D" />, and the middles of the
-          two diagonals part by half of that. A file that stores four corners does not store which surface was meant. Authors still model with quads, which are
-          good to work with, and somewhere on the way to the screen the pipeline quietly cuts each one in two.
+          two diagonals part by half of that. Authors model with quads all the same, which are good to work with, and on the way to the screen the pipeline
+          quietly cuts each one in two.
         </p>
       ),
     },
@@ -123,9 +124,9 @@ export const EN: LessonText = {
       title: "So a screen can fill it",
       text: (
         <p>
-          Ask these three signs at the centre of every pixel, and you have drawn the triangle. This is <Term id="rasterization">rasterization</Term>. Each edge
-          function changes by a constant from one pixel to the next, and no pixel waits for its neighbour, so hardware asks thousands at once. It is built for
-          exactly the guarantees that a triangle gives.
+          Ask these three signs at the centre of every pixel, and you have drawn the triangle: <Term id="rasterization">rasterization</Term>. From one pixel to the next
+          each edge function changes by a constant, and no pixel waits for its neighbour, so hardware asks thousands at once. It is built for exactly the guarantees that
+          a triangle gives.
         </p>
       ),
     },
@@ -206,8 +207,8 @@ export const EN: LessonText = {
       text: (
         <p>
           One normal a face gives one flat tone a facet: right for a cut gem, wrong for a teapot. Average the normals of the faces around each vertex, interpolate
-          them over the triangles, and the same coarse mesh looks round. This is all that <Term id="shading">flat and smooth shading</Term> mean: no triangle moves.
-          Average only across edges that bend by less than{" "}
+          them over the triangles, and the same coarse mesh looks round. That is all of <Term id="shading">flat and smooth shading</Term>: no triangle moves. Average
+          only across edges that bend by less than{" "}
           <Handle figure="normals" field="crease" value={0} low={0} high={180} step={5} unit="°" name="Crease angle" />, and watch the facets go.
         </p>
       ),
@@ -224,7 +225,7 @@ export const EN: LessonText = {
         <>
           <p>
             Seen from the front, the corners of a triangle run counter-clockwise: its <Term id="winding">winding</Term>. Of a closed shape you see only fronts, so{" "}
-            <Term id="culling">culling</Term> skips every triangle that shows its back, about half of them, before any pixel is touched.
+            <Term id="culling">culling</Term> skips every triangle that shows its back, about half of them or more, before any pixel is touched.
           </p>
           <p>
             Three triangles of this ball are wound the wrong way. Drawn from both sides and unlit the ball would look perfect; culled, it has three holes.{" "}
@@ -240,7 +241,7 @@ export const EN: LessonText = {
           A mesh is closed and <Term id="manifold">manifold</Term> if each of its edges has exactly two triangles, and those around each vertex form one ring. Then
           inside and outside are clear, and a solid can be subdivided, cut from another, or dropped on the floor. A hole breaks that. So does a{" "}
           <Term id="t-junction">T-junction</Term>, where a vertex of one triangle sits on the edge of another without being shared. Two meshes can look alike at rest
-          and differ as soon as they are lit, culled or cut. Choose a patient: each fault is named, and so is its cure.
+          and differ as soon as they are lit, culled or cut. Choose a patient: each fault has a name, and a cure.
         </p>
       ),
     },
@@ -261,8 +262,8 @@ export const EN: LessonText = {
             <Handle figure="bernstein" field="t" value={0.35} low={-0.1} high={1.1} step={0.05} name="t" />. Go past 1: a weight turns negative, and the curve leaves.
           </p>
           <p>
-            <Term id="de-casteljau">De Casteljau’s</Term> construction needs no weights at all: blend neighbours, four points to three, to two, to one. You get the
-            point, its tangent, and the control points of both parts of the curve, for free.
+            <Term id="de-casteljau">De Casteljau’s</Term> construction needs no weights at all: blend neighbours, four points to three, to two, to one. Point, tangent,
+            and both parts of the curve come for free.
           </p>
         </>
       ),
@@ -271,8 +272,7 @@ export const EN: LessonText = {
       title: "Why not one long polynomial",
       text: (
         <p>
-          Through eleven points runs exactly one polynomial of degree at most ten. It touches every point, and between them it may swing far out: that is{" "}
-          <Term id="runge">Runge’s phenomenon</Term>.
+          Through eleven points runs exactly one polynomial of degree at most ten. Between them it may swing far out: <Term id="runge">Runge’s phenomenon</Term>.
         </p>
       ),
       after: (
@@ -286,8 +286,8 @@ export const EN: LessonText = {
       title: "Many short cubics",
       text: (
         <p>
-          Low degree keeps each piece calm, and many pieces keep control local: what a control point influences is a stretch of the curve and not the whole of it. So
-          the question moves to where the pieces meet.
+          Low degree keeps each piece calm, and many pieces keep control local: a point moves a stretch of the curve, not all of it. So the question moves to where the
+          pieces meet.
         </p>
       ),
     },
@@ -296,8 +296,8 @@ export const EN: LessonText = {
       text: (
         <p>
           <Term id="continuity">C0</Term>: one piece begins where the other ends, with a kink perhaps. C1: they share direction and speed. C2: they share bending, too.
-          You may not see the difference between C1 and C2 in the line; you see it in a <Set figure="joins" to={{ keep: "C1" }}>reflection</Set>, whose stripes kink
-          where the <Term id="curvature">curvature</Term> jumps. Keep <Set figure="joins" to={{ keep: "C2" }}>C2</Set>, and they run on.
+          The line hardly shows the difference between C1 and C2; a <Set figure="joins" to={{ keep: "C1" }}>reflection</Set> does: its stripes kink where the{" "}
+          <Term id="curvature">curvature</Term> jumps. Keep <Set figure="joins" to={{ keep: "C2" }}>C2</Set>, and they run on.
         </p>
       ),
     },
@@ -325,8 +325,8 @@ export const EN: LessonText = {
         <p>
           Artists prefer to push a coarse mesh of quads about, a <Term id="cage">cage</Term>. <Term id="subdivision">Subdivision</Term> by Catmull and Clark splits each
           quad into four and averages: after{" "}
-          <Handle figure="cage" field="level" value={2} low={0} high={5} name="Rounds" /> rounds it is already hard to tell from its smooth limit. Each round has four
-          times the faces and leaves about a quarter of the error. And at the last moment, patch or cage, everything becomes triangles.
+          <Handle figure="cage" field="level" value={2} low={0} high={5} name="Rounds" /> rounds it is hard to tell from its smooth limit. Each round has four times the
+          faces and leaves about a quarter of the error. At the last moment, patch or cage, all becomes triangles.
         </p>
       ),
     },
@@ -335,7 +335,7 @@ export const EN: LessonText = {
       text: (
         <p>
           Move one corner of a cage, and the surface follows: most beside it, here by three eighths, and not at all beyond two rings of faces, which on a cube are all.
-          This is why artists think in cages: a few hundred points that each do one clear thing.
+          A few hundred points, each with one clear effect: so artists think in cages.
         </p>
       ),
     },
@@ -343,16 +343,16 @@ export const EN: LessonText = {
       title: "How many segments until it looks smooth?",
       text: (
         <p>
-          Turning a smooth shape into straight pieces is <Term id="tessellation">tessellation</Term>, and this is its question in the flat. Between two of its points a
-          curve runs a little beside the <Term id="chord">chord</Term>. If that gap is less than half a pixel, nobody sees it. Cut this curve into equal steps:
+          Turning a smooth shape into straight pieces is <Term id="tessellation">tessellation</Term>; this is its question in the flat. Between two points a curve runs a
+          little beside the <Term id="chord">chord</Term>. If that gap is less than half a pixel, nobody sees it.
         </p>
       ),
       after: (
         <p>
           The error falls like 1/N²: with 8 segments {say.number(facts.segments.gaps.get(8)!)} px, with 16 {say.number(facts.segments.gaps.get(16)!)}, with 32{" "}
-          {say.number(facts.segments.gaps.get(32)!)}. Large gains first, then smaller and smaller ones. Now it has{" "}
-          <Handle figure="segments" field="count" value={6} low={1} high={64} name="Segments" /> segments. Spend them where it bends, and{" "}
-          {say.whole(facts.segments.fewest)} do what took {say.whole(facts.segments.evenly)}.
+          {say.number(facts.segments.gaps.get(32)!)}. Large gains first, then small ones. Now it has{" "}
+          <Handle figure="segments" field="count" value={6} low={1} high={64} name="Segments" /> segments. To prove that no point between is farther off takes{" "}
+          {say.whole(facts.segments.evenly)}; spent <Set figure="segments" to={{ how: "fewest" }}>where it bends</Set>, {say.whole(facts.segments.fewest)}.
         </p>
       ),
     },
@@ -360,8 +360,7 @@ export const EN: LessonText = {
       title: "One side, cut once",
       text: (
         <p>
-          Two patches that share a side must cut it at the same points. If each chooses its own number, their triangles part, and light shows through the crack, however
-          smooth the surface was.
+          Two patches that share a side must cut it at the same points. If each chooses its own number, their triangles part, and light shows through the crack.
         </p>
       ),
     },
@@ -370,7 +369,7 @@ export const EN: LessonText = {
       text: (
         <>
           <p>
-            Start again, with a rule. Give every point of space a number: its distance to the shape, negative inside. This is a{" "}
+            Start again, with a rule. Give every point of space a number, its distance to the shape, negative inside: a{" "}
             <Term id="signed-distance">signed distance</Term>. A ball takes one line:
           </p>
           <Formula>f(p) = |p| − r</Formula>
@@ -386,7 +385,7 @@ export const EN: LessonText = {
       title: "Rays that leap",
       text: (
         <p>
-          To draw a field, send a ray through each pixel. How far may it go at once? As far as the value says, since nothing is nearer. This is{" "}
+          To draw a field, send a ray through each pixel. How far may it go at once? As far as the value says, since nothing is nearer:{" "}
           <Term id="sphere-tracing">sphere tracing</Term>.
         </p>
       ),
@@ -410,8 +409,8 @@ export const EN: LessonText = {
       title: "Round the seam",
       text: (
         <p>
-          Replace the minimum by one that rounds its corner, and two shapes flow into each other where they meet, by as much as you like. On a mesh a fillet is a project;
-          here it is the same line.
+          Take a minimum that rounds its corner, and two shapes flow into each other where they meet, by as much as you like. On a mesh a rounded seam is a project; here it
+          is the same line.
         </p>
       ),
     },
@@ -458,7 +457,7 @@ export const EN: LessonText = {
         <p>
           Engines carry both answers and convert. To collide or blend, the teapot’s {say.whole(facts.baking.triangles)} triangles are{" "}
           <Term id="baking">baked</Term> into distances on a lattice, here {say.whole(facts.baking.samples)} samples, and meshed again into{" "}
-          {say.whole(facts.baking.back)}. Each way loses something, and each loss can be bounded; generously here, because spout and handle reach into the body. With only{" "}
+          {say.whole(facts.baking.back)}. Each way loses something, and each loss can be bounded. With only{" "}
           <Handle figure="baking" field="cells" value={20} low={6} high={36} name="Cells along the longest side" /> cells along its side, see what becomes of the
           handle.
         </p>
@@ -472,9 +471,9 @@ export const EN: LessonText = {
       title: "What half the error costs",
       text: (
         <p>
-          More triangles shrink the gap to the true surface, round the outline and smooth the shading; and each one costs memory and work. A curve takes about 1.4 times
-          the segments for half the error, a surface twice the triangles, whether it is given as patches, a cage or a field. So the first thousand triangles buy almost
-          everything, and the last million almost nothing.
+          More triangles shrink the gap to the true surface, round the outline and smooth the shading, and each costs memory and work. Half the error takes a curve about
+          1.4 times the segments, and a surface twice the triangles, whether it is patches, a cage or a field. So the first thousand triangles buy almost everything, and
+          the last million almost nothing.
         </p>
       ),
     },
@@ -488,8 +487,7 @@ export const EN: LessonText = {
       ),
       after: (
         <p>
-          This is <Term id="overshading">overshading</Term>. And most of those triangles fall between the pixel centres and are never seen at all: below a pixel they cost
-          and give nothing.
+          This is <Term id="overshading">overshading</Term>. And most of those triangles fall between the pixel centres and are never seen: they cost, and give nothing.
         </p>
       ),
     },
@@ -497,8 +495,8 @@ export const EN: LessonText = {
       title: "And it shimmers",
       text: (
         <p>
-          Worse than nothing: which of many tiny triangles a pixel centre hits changes from frame to frame, so a turning surface sparkles. This is{" "}
-          <Term id="aliasing">aliasing</Term>: more detail than there are samples to show it.
+          Worse than nothing: which of many tiny triangles a pixel centre hits changes from frame to frame, so a turning surface sparkles. It is{" "}
+          <Term id="aliasing">aliasing</Term>, more detail than samples to show it.
         </p>
       ),
     },
@@ -506,8 +504,8 @@ export const EN: LessonText = {
       title: "One pixel, near and far",
       text: (
         <p>
-          So keep the shape in several <Term id="lod">levels of detail</Term>, each proved to be within some length, and measure that length where it counts, on the
-          screen: in <Term id="screen-space">screen space</Term>. From{" "}
+          So keep the shape in several <Term id="lod">levels of detail</Term>, each within some length, and measure that length on the screen, in{" "}
+          <Term id="screen-space">screen space</Term>. From{" "}
           <Handle figure="levels" field="stop" value={0} low={0} high={18} name="Camera to teapot" shown={DISTANCES.map((distance) => metres(say, distance))} /> away the
           coarsest level within one pixel is shown. From {metres(say, DISTANCES[6]!)} the teapot is {say.whole(facts.levels.smallPixels)}{" "}
           pixels wide, and {say.whole(facts.levels.small.teapot)} triangles are enough.
@@ -525,8 +523,9 @@ export const EN: LessonText = {
       text: (
         <p>
           A level need not be even. Triangles should crowd where the surface bends, near the camera, and along the <Term id="silhouette">silhouette</Term>, where straight
-          edges show against the background; flat and far parts need few. Along the outline every chord is within a pixel; where a face looks at you, a chord is off along
-          the line of sight, and may be off by more.
+          edges show against the background; flat and far parts need few. Along the outline every chord is within the budget, here{" "}
+          <Handle figure="adaptive" field="stop" value={4} low={0} high={6} name="Budget" shown={BUDGETS.map((px) => `${say.number(px)} px`)} />; a face that looks at you
+          is off along the line of sight, and may be off by more.
         </p>
       ),
     },
@@ -534,8 +533,9 @@ export const EN: LessonText = {
       title: "At their true size",
       text: (
         <p>
-          Put both in one picture, and move the loupe along an edge: grey is the true surface, blue the triangles, each square a pixel. Every chord is as long as it may
-          be, and you would not have seen one.
+          Both in one picture. Move the loupe along an edge: grey is the true surface, blue the triangles, each square a pixel. Every chord is as long as it may be, and you
+          would not have seen one. The teapot, at arm’s length, takes {say.whole(facts.mountain.teapot)} triangles, and this mountain, with more ridges than
+          the last one, {say.whole(facts.mountain.mountain)}.
         </p>
       ),
     },
@@ -622,11 +622,11 @@ export const EN: LessonText = {
       answer: <>All of it, and it may move most near the far ends. One polynomial has no “near”: every coefficient depends on every point.</>,
     },
     segments: {
-      ask: "How many equal segments until it is within half a pixel?",
+      ask: "Cut in equal steps, how many segments until this curve is within half a pixel?",
       unit: "segments",
       answer: (
         <>
-          {say.whole(facts.segments.evenly)} in equal steps. With a thousand more it would look the same.
+          {say.whole(facts.segments.seen)}. With a thousand more it would look the same.
         </>
       ),
     },
@@ -792,7 +792,7 @@ export const EN: LessonText = {
         answer: (
           <>
             A mesh is drawn at once; its inside and its booleans need a search. A field answers inside, distance and booleans in a line; to be drawn it takes{" "}
-            {say.fixed(facts.rivals.steps, 1)} steps a ray, or a mesh. Engines carry both and convert.
+            {say.fixed(facts.rivals.steps, 1)} steps a ray, or a mesh.
           </>
         ),
         figure: "table",

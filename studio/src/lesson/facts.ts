@@ -13,7 +13,8 @@ export interface Facts {
   culling: { back_share: number; triangles: number };
   bulge: number;
   runge: { polynomial: number; spline: number };
-  segments: { evenly: number; fewest: number; gaps: ReadonlyMap<number, number> };
+  /** How many segments have a gap of at most half a pixel; how many it takes to prove it, in equal steps and at best. */
+  segments: { seen: number; evenly: number; fewest: number; gaps: ReadonlyMap<number, number> };
   cage: { faces: number; errors: readonly number[] };
   field: { edges: number };
   tracing: { steps: number; most: number };
@@ -22,6 +23,7 @@ export interface Facts {
   budget: { slope: number };
   overshade: { above: number; below: number };
   levels: { near: Both; far: Both; small: Both; smallPixels: number };
+  mountain: Both;
   rivals: Rivals;
 }
 
@@ -61,11 +63,13 @@ export async function answerOf(ask: Ask, figure: string, state: object = {}): Pr
 const opened = (ask: Ask, figure: string) => answerOf(ask, figure, BLOCKS.find((block) => block.figure === figure)?.state);
 
 export async function factsOf(ask: Ask): Promise<Facts> {
-  const [indexed, quad, culling, runge, segments, cage, field, tracing, csg, baking, budget] = await Promise.all(
-    ["indexed", "quad", "culling", "runge", "segments", "cage", "field", "tracing", "csg", "baking", "budget"].map((id) => opened(ask, id)),
+  const [indexed, quad, culling, runge, segments, cage, field, tracing, csg, baking, budget, mountain] = await Promise.all(
+    ["indexed", "quad", "culling", "runge", "segments", "cage", "field", "tracing", "csg", "baking", "budget", "mountain"].map((id) => opened(ask, id)),
   );
   const cube = async (crease: number) => (await answerOf(ask, "normals", { shape: "cube", crease })).vertices as number;
   const gap = async (count: number) => [count, 60 * (await answerOf(ask, "segments", { count })).gap] as const;
+  let seen = 1;
+  while ((await gap(seen))[1] > 0.5) seen++;
   const shaded = async (stop: number) => (await answerOf(ask, "overshade", { stop })).ratio as number;
   const triangles = async (stop: number): Promise<Both> => {
     const { teapot, mountain } = await answerOf(ask, "levels", { stop });
@@ -79,7 +83,7 @@ export async function factsOf(ask: Ask): Promise<Facts> {
     culling,
     bulge: Math.abs(quad.bulge),
     runge: { polynomial: runge.moves.polynomial.by, spline: runge.moves.spline.by },
-    segments: { ...segments, gaps: new Map(await Promise.all([8, 16, 32].map(gap))) },
+    segments: { ...segments, seen, gaps: new Map(await Promise.all([8, 16, 32].map(gap))) },
     cage,
     field: { edges: field.mesh.edges },
     tracing: { steps: tracing.steps.length, most: Math.max(...fan) },
@@ -88,6 +92,7 @@ export async function factsOf(ask: Ask): Promise<Facts> {
     budget,
     overshade: { above: await shaded(0), below: await shaded(26) },
     levels: { near: await triangles(0), far: await triangles(4), small: await triangles(6), smallPixels: widthAt(DISTANCES[6]!) },
+    mountain: { teapot: mountain.teapot.triangles, mountain: mountain.mountain.triangles },
     rivals: ask({ exhibit: "rivals" }),
   };
 }

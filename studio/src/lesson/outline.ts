@@ -81,7 +81,7 @@ export const SECTIONS = [
       {
         id: "segments",
         figure: "segments",
-        guess: { kind: "number", answer: (facts) => facts.segments.evenly },
+        guess: { kind: "number", answer: (facts) => facts.segments.seen },
         code: "segments",
       },
       { id: "cracks", figure: "cracks" },
@@ -116,7 +116,7 @@ export const SECTIONS = [
         code: "levels",
       },
       { id: "adaptive", figure: "adaptive" },
-      { id: "mountain", figure: "mountain", state: { budget: 2 } },
+      { id: "mountain", figure: "mountain" },
     ],
   },
 ] as const satisfies readonly SectionPlan[];

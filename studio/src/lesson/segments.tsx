@@ -1,15 +1,19 @@
 // A curve as straight segments: how far off they are, and what twice as many leave of it. The lesson's short form of the widget.
-import { Figure as Data, Slider } from "../view/parts";
+import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "../exhibits/exhibit";
 import { cubic, Dot, Flat, FLAT, path, type Point, toSvg } from "../exhibits/Flat";
-import { number } from "../exhibits/fragment";
+import { number, word } from "../exhibits/fragment";
 import { px } from "../exhibits/Grip";
 import type { Language } from "../exhibits/say";
 
 type Four = readonly [Point, Point, Point, Point];
 
+const HOWS = ["evenly", "fewest"] as const;
+
 interface State {
   count: number;
+  /** Which chain is drawn: that many equal steps, or the fewest segments that are proved to be within half a pixel. */
+  how: (typeof HOWS)[number];
   control: Four;
 }
 
@@ -23,6 +27,7 @@ interface Answer {
   bound: number;
   evenly: number;
   fewest: number;
+  fewest_points: Point[];
 }
 
 /** Pixels of a unit in a figure of full width. */
@@ -30,7 +35,7 @@ const UNIT = 720 / FLAT.width;
 /** Half a pixel: a change that an eye close to the screen no longer sees. */
 const ALLOWED = 0.5 / UNIT;
 const COUNTS = [1, 64] as const;
-const defaults: State = { count: 6, control: [[1.5, 1.6], [2.2, 7.6], [8.2, 7.4], [10.6, 1.8]] };
+const defaults: State = { count: 6, how: "evenly", control: [[1.5, 1.6], [2.2, 7.6], [8.2, 7.4], [10.6, 1.8]] };
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -43,6 +48,10 @@ interface Texts extends CommonTexts {
   allowed: string;
   evenly: string;
   fewest: string;
+  show: string;
+  hows: Record<State["how"], string>;
+  labelFewest: string;
+  meaningFewest(evenly: string): string;
 }
 
 const texts: Record<Language, Texts> = {
@@ -55,9 +64,13 @@ const texts: Record<Language, Texts> = {
     at: (x, y) => `${x}, ${y}`,
     label: "Largest gap, in pixels",
     meaning: (twice, times) => `Twice as many leave ${twice} px: ${times} times less.`,
-    allowed: "For half a pixel",
+    allowed: "Proved within half a pixel",
     evenly: "in equal steps",
-    fewest: "longer where it is straighter",
+    fewest: "where it bends",
+    show: "Segments",
+    hows: { evenly: "in equal steps", fewest: "where it bends" },
+    labelFewest: "Segments, shorter where it bends",
+    meaningFewest: (evenly) => `Proved to be within half a pixel everywhere. Equal steps take ${evenly} for that.`,
     story: [],
     attempts: [],
   },
@@ -70,9 +83,13 @@ const texts: Record<Language, Texts> = {
     at: (x, y) => `${x}，${y}`,
     label: "最大弦高误差（像素）",
     meaning: (twice, times) => `段数翻一番，只剩 ${twice} 像素：是现在的 1/${times}。`,
-    allowed: "要达到半个像素",
+    allowed: "证明不超过半个像素",
     evenly: "参数等分",
     fewest: "弯处加密",
+    show: "线段",
+    hows: { evenly: "参数等分", fewest: "弯处加密" },
+    labelFewest: "线段数，弯处加密",
+    meaningFewest: (evenly) => `已证明处处不超过半个像素。参数等分要 ${evenly} 段才行。`,
     story: [],
     attempts: [],
   },
@@ -83,18 +100,23 @@ type Page = PageOf<State, Answer, Texts>;
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill } = page;
   const [x, y] = toSvg(answer.on_curve);
+  const points = state.how === "evenly" ? answer.points : answer.fewest_points;
   return (
     <Flat name={texts.figure}>
       <path class="leg" d={path(state.control, false)} />
       <path class="true-curve" d={cubic(state.control)} />
-      <path class="segments-of" d={path(answer.points, false)} />
-      {answer.points.length <= 40 &&
-        answer.points.map((point, i) => {
+      <path class="segments-of" d={path(points, false)} />
+      {points.length <= 40 &&
+        points.map((point, i) => {
           const [cx, cy] = toSvg(point);
           return <circle key={i} class="joint-of" cx={px(cx)} cy={px(cy)} r={3} />;
         })}
-      <path class="gap-of" d={path([answer.on_curve, answer.on_chain], false)} />
-      <circle class="gap-at" cx={px(x)} cy={px(y)} r={11} />
+      {state.how === "evenly" && (
+        <>
+          <path class="gap-of" d={path([answer.on_curve, answer.on_chain], false)} />
+          <circle class="gap-at" cx={px(x)} cy={px(y)} r={11} />
+        </>
+      )}
       {state.control.map((place, i) => (
         <Dot
           key={i}
@@ -111,7 +133,15 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-function liveNumber({ answer, say, texts }: Page): LiveNumber {
+function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
+  if (state.how === "fewest")
+    return {
+      value: answer.fewest,
+      shown: say.whole(answer.fewest),
+      label: texts.labelFewest,
+      meaning: texts.meaningFewest(say.whole(answer.evenly)),
+      tone: "good",
+    };
   const pixels = answer.gap * UNIT;
   return {
     value: pixels,
@@ -134,7 +164,14 @@ function Panel({ page }: { page: Page }) {
         low={COUNTS[0]}
         high={COUNTS[1]}
         value={state.count}
-        choose={(count) => set({ count })}
+        choose={(count) => set({ count, how: "evenly" })}
+      />
+      <Choice
+        name="how"
+        legend={texts.show}
+        value={state.how}
+        options={HOWS.map((how) => ({ value: how, label: texts.hows[how] }))}
+        choose={(how) => set({ how })}
       />
       <dl>
         {(["evenly", "fewest"] as const).map((how) => (
@@ -156,7 +193,7 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { count: ["n", number(...COUNTS)] },
+  parts: { count: ["n", number(...COUNTS)], how: ["h", word(...HOWS)] },
   question: ({ count, control }) => ({ control, count, length: ALLOWED }),
   texts,
   number: liveNumber,

@@ -1,5 +1,6 @@
 // The lesson in Chinese.
 // Long because the texts of one language stand in one file, in the order of the page.
+import { STOPS as BUDGETS } from "../exhibits/adaptive";
 import { STOPS as DISTANCES, metres } from "../exhibits/levels";
 import { STOPS as SIDES } from "../exhibits/overshade";
 import type { LessonText } from "./lesson";
@@ -206,7 +207,7 @@ export const ZH: LessonText = {
         <>
           <p>
             从正面看，三个顶点按逆时针排列，这就是<Term id="winding">环绕方向</Term>。封闭的形状，你看到的只有正面，于是<Term id="culling">背面剔除</Term>
-            把背对视点的三角形全部跳过，大约省去一半，而且是在碰到任何像素之前。
+            把背对视点的三角形全部跳过，省去一半甚至更多，而且是在碰到任何像素之前。
           </p>
           <p>
             这个球上有三个三角形绕反了。两面都画、又不打光的时候完全看不出来；一剔除，就是三个孔。<Set figure="culling" to={{ backs: "painted" }}>给背面涂上颜色</Set>
@@ -311,8 +312,8 @@ export const ZH: LessonText = {
         <p>
           误差按 1/N² 下降：8 段 {say.number(facts.segments.gaps.get(8)!)} 像素，16 段 {say.number(facts.segments.gaps.get(16)!)}，32 段{" "}
           {say.number(facts.segments.gaps.get(32)!)}。开头收获很大，越往后越小。现在是{" "}
-          <Handle figure="segments" field="count" value={6} low={1} high={64} name="线段数" /> 段。弯处加密，{say.whole(facts.segments.fewest)} 段就抵得上等分的{" "}
-          {say.whole(facts.segments.evenly)} 段。
+          <Handle figure="segments" field="count" value={6} low={1} high={64} name="线段数" /> 段。要证明两点之间处处都不超过半个像素，等分需要{" "}
+          {say.whole(facts.segments.evenly)} 段；<Set figure="segments" to={{ how: "fewest" }}>弯处加密</Set>，只要 {say.whole(facts.segments.fewest)} 段。
         </p>
       ),
     },
@@ -393,7 +394,7 @@ export const ZH: LessonText = {
         <p>
           引擎两种都带着，来回转换。要碰撞、要融合，就把茶壶的 {say.whole(facts.baking.triangles)} 个三角形<Term id="baking">烘焙</Term>
           成格点上的距离，这里是 {say.whole(facts.baking.samples)} 个样本；再网格化回来，成了 {say.whole(facts.baking.back)}{" "}
-          个三角形。每一程都有损失，每份损失都有上界；这里的上界给得宽，因为壶嘴和壶把伸进了壶身。最长边方向只取{" "}
+          个三角形。每一程都有损失，每份损失都有上界。最长边方向只取{" "}
           <Handle figure="baking" field="cells" value={20} low={6} high={36} name="最长边方向的单元数" /> 个单元，看看壶把会变成什么样。
         </p>
       ),
@@ -454,13 +455,15 @@ export const ZH: LessonText = {
       text: (
         <p>
           同一层里也不必处处一样密。曲面弯的地方、离镜头近的地方、<Term id="silhouette">轮廓线</Term>
-          上，三角形要挤一些：直边衬着背景最显眼。平的、远的，少放几个就行。轮廓线上，每条弦的误差都在一个像素以内；正对着你的面，误差顺着视线，大一些也无妨。
+          上，三角形要挤一些：直边衬着背景最显眼。平的、远的，少放几个就行。轮廓线上，每条弦的误差都在预算以内，这里是{" "}
+          <Handle figure="adaptive" field="stop" value={4} low={0} high={6} name="预算" shown={BUDGETS.map((px) => `${say.number(px)} 像素`)} />
+          ；正对着你的面，误差顺着视线，大一些也无妨。
         </p>
       ),
     },
     mountain: {
       title: "按真实大小",
-      text: <p>把两者放进同一幅画，沿着边移动放大镜：灰色是真实的曲面，蓝色是三角形，一格一个像素。每条弦都长到了极限，可你本来一条也看不出来。</p>,
+      text: <p>把两者放进同一幅画，沿着边移动放大镜：灰色是真实的曲面，蓝色是三角形，一格一个像素。每条弦都长到了极限，可你本来一条也看不出来。手边的茶壶要 {say.whole(facts.mountain.teapot)} 个三角形；这座山的山脊比前一座更多，要 {say.whole(facts.mountain.mountain)} 个。</p>,
     },
   }),
   table: ({ rivals }, say) => (
@@ -544,7 +547,7 @@ export const ZH: LessonText = {
     segments: {
       ask: "参数等分成多少段，误差才在半个像素以内？",
       unit: "段",
-      answer: <>等分要 {say.whole(facts.segments.evenly)} 段。再多一千段，看起来也一样。</>,
+      answer: <>{say.whole(facts.segments.seen)} 段。再多一千段，看起来也一样。</>,
     },
     tracing: {
       ask: "图中的射线，几步走到表面？",
