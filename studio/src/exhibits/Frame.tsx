@@ -126,16 +126,24 @@ function Head({ entry, language, fragment }: FrameProps) {
         {words.lesson}
       </a>
       <nav class="path" aria-label={words.path}>
-        <ol>
-          {STOPS.map((stop, i) => (
-            <li key={fileOfStop(stop, language)} class={i && stop.part !== STOPS[i - 1]!.part ? "next-part" : ""}>
+        <ol class="moves-of-tour">
+          {[...new Set(STOPS.map(({ part }) => part))].map((part) => (
+            <li key={part}>
               <a
-                href={fileOfStop(stop, language)}
-                title={titleOf(stop, language)}
-                aria-label={`${i + 1}: ${titleOf(stop, language)}`}
-                {...(stop === entry ? { "aria-current": "page" as const } : {})}
+                href={fileOfStop(STOPS.find((stop) => stop.part === part)!, language)}
+                {...(part === entry.part ? { "aria-current": "true" as const } : {})}
               >
-                {i + 1}
+                {PARTS[part][language]}
+              </a>
+            </li>
+          ))}
+        </ol>
+        {/* Of this part alone: 37 of them would be a page of links before each page. */}
+        <ol class="stops" aria-label={PARTS[entry.part][language]}>
+          {STOPS.filter((stop) => stop.part === entry.part).map((stop) => (
+            <li key={fileOfStop(stop, language)}>
+              <a href={fileOfStop(stop, language)} {...(stop === entry ? { "aria-current": "page" as const } : {})}>
+                {titleOf(stop, language)}
               </a>
             </li>
           ))}

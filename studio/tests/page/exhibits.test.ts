@@ -4,7 +4,7 @@ import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
-import { EXHIBITS, STOPS, fileOf, fileOfStop } from "../../src/exhibits/index";
+import { EXHIBITS, PARTS, STOPS, fileOf, fileOfStop } from "../../src/exhibits/index";
 import { LANGUAGES, type Language, TAGS } from "../../src/exhibits/say";
 import { ExhibitPages, live } from "./exhibit_page";
 import { DIST, digits, isLong, axeFindings, settled } from "./site";
@@ -52,7 +52,9 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
     expect(await onward.last().getAttribute("href")).toBe(next ? fileOfStop(next, language) : fileOf("exhibits", language));
     expect(await page.locator(".onward .to-bench").getAttribute("href")).toBe(language === "en" ? "workbench.html" : "workbench.zh.html");
     expect(await onward.first().getAttribute("href")).toBe(last ? fileOfStop(last, language) : fileOf("exhibits", language));
-    expect(await page.locator(".path [aria-current=page]").textContent()).toBe(String(n + 1));
+    expect(await page.locator(".path [aria-current=page]").textContent()).toBe(entry.title[language]);
+    expect(await page.locator(".path [aria-current=true]").textContent()).toBe(PARTS[entry.part][language]);
+    expect(await page.locator(".path .stops a").count()).toBe(STOPS.filter(({ part }) => part === entry.part).length);
 
     for (const [colorScheme, width] of looksOf(language)) {
       await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
