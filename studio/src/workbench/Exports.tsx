@@ -1,8 +1,8 @@
 // Files to download, and the command, Python or Rust code that makes the same mesh elsewhere.
 import { useState } from "preact/hooks";
+import type { Files } from "../core/command";
 import { Choice } from "../view/parts";
 import { Working } from "./Certificate";
-import type { Files } from "./command";
 import { NO_SCREEN, isDrawing, meshLine, python, reading, readsFiles, rust, shell, stem } from "./document";
 import { MESH_FORMATS, exportLine, exportMesh } from "./exports";
 import { isBroken, isEmpty } from "./outdated";

@@ -1,7 +1,7 @@
 // Scripts that a GLB or 3MF carries: opened in place of the file, and the file proved again from them.
+import type { Files } from "../core/command";
 import type { Controller } from "./controller";
 import { BUDGET, type Bench, type Budget, bench } from "./document";
-import type { Files } from "./command";
 import { reportOf } from "./outcome";
 import type { Certificate } from "./report";
 

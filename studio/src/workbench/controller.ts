@@ -1,8 +1,9 @@
 // Holds the state of the workbench, starts runs of the command, and notifies the view. It computes nothing itself.
 // Long because all runs share one state, and each decides from it whether it is still wanted.
+import type { Files, Outcome } from "../core/command";
+import { type Jobs, Stopped } from "../core/jobs";
 import type { Size, Vec3, View } from "../viewer";
 import { fovOf, framed } from "../viewer/view";
-import type { Files, Outcome } from "./command";
 import {
   type Bench,
   type Line,
@@ -20,10 +21,10 @@ import {
 } from "./document";
 import { carriedBy, verifyCarried } from "./carried";
 import type { FunctionRow } from "./editor";
-import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, withPictures } from "./glb";
+import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, upOf, withPictures } from "./glb";
 import { MOST_FAULTS, inScript, isFurther, isMendable, withCause, withoutFault } from "./faults";
-import { type Jobs, Stopped } from "./jobs";
 import { FieldSource } from "./field_source";
+import { opened } from "./opened";
 import { type Fault, KEEP_BEST, faultOf, madeBy, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
@@ -59,8 +60,6 @@ const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
 const SHOWN_FIRST = 1e6;
 /** The command's exit code for an unknown option. */
 const USAGE = 2;
-/** The largest total size of opened files. Chosen: a browser holds several copies of them in memory. */
-const MOST_BYTES = 600e6;
 /** The initial distance from the centre of the box to the eye, in diagonals. */
 const AWAY = 2.4;
 /** If the size changes by this factor, the view is reset. Chosen: up to it the eye stays outside of the shape. */
@@ -255,32 +254,22 @@ export class Controller {
 
   /** Opens files: one is the shape, the others are referenced by it. Returns whether there is a shape. */
   async open(list: readonly File[]): Promise<boolean> {
-    const total = list.reduce((sum, file) => sum + file.size, 0);
-    const main = list.find((file) => !/\.(bin|mtl|png|jpe?g|webp|raw|img)$/i.test(file.name)) ?? list[0];
-    if (!main) return false;
-    if (total > MOST_BYTES) {
-      this.update({ notice: "too-large" });
-      return false;
-    }
+    if (!list.length) return false;
     const { bench: before } = this.state;
     const lack = lackOf(this.state);
     const number = ++this.openCount;
-    const files: Files = {};
-    try {
-      for (const file of list) files[nameOf(file)] = new Uint8Array(await file.arrayBuffer());
-    } catch {
-      // A dropped folder cannot be read.
-      this.update({ notice: "unread" });
+    const file = await opened(list);
+    if (typeof file === "string") {
+      this.update({ notice: file });
       return false;
     }
     // Other files were opened while these were read; those are shown.
     if (number !== this.openCount) return true;
-    if (lack && before === this.state.bench && suits(lack, Object.keys(files))) {
-      this.put(supplied(before, lack, files));
+    if (lack && before === this.state.bench && suits(lack, Object.keys(file.files))) {
+      this.put(supplied(before, lack, file.files));
       return true;
     }
     // A file of the same name may be another shape, so nothing of the old one is kept.
-    const file = bench(nameOf(main), files);
     const script = await carriedBy(this, file);
     if (number !== this.openCount) return true;
     this.clearResults();
@@ -316,7 +305,7 @@ export class Controller {
     const report = reportOf(outcome);
     if (!bytes || !report.certificate?.levels) return this.update({ fault: faultOf(outcome) });
     const { frame } = report.certificate;
-    const up = this.upOf(current, frame.up);
+    const up = upOf(current.name, frame);
     const parts = await readOrUndefined(() =>
       Promise.all(levelsOf(bytes, frame).map(async (level) => (await withPictures(level)).map((part) => partToZUp(part, up)))),
     );
@@ -358,7 +347,7 @@ export class Controller {
     const [bytes, certificate] = outcome ? [madeBy(outcome, words)?.["trace.glb"], reportOf(outcome).certificate] : [];
     if (!bytes || !certificate || current !== this.state.bench) return null;
     const parts = await readOrUndefined(async () => partsOf(bytes, certificate.frame));
-    const trace = { bench: current, sites, parts: (parts ?? []).map((part) => partToZUp(part, this.upOf(current, certificate.frame.up))) };
+    const trace = { bench: current, sites, parts: (parts ?? []).map((part) => partToZUp(part, upOf(current.name, certificate.frame))) };
     this.update({ trace });
     return trace;
   }
@@ -520,7 +509,7 @@ export class Controller {
       if (lane === "draft" || isNewest) this.update({ fault: isScript(input) ? withCause(fault, textOf(input)) : fault });
       return false;
     }
-    const up = this.upOf(input, certificate.frame.up);
+    const up = upOf(input.name, certificate.frame);
     const read = await readOrUndefined(() => withPictures(partsOf(bytes, certificate.frame)));
     const parts = (read ?? []).map((part) => partToZUp(part, up));
     // Decoding the pictures takes time as well, in which the input may have changed.
@@ -549,11 +538,6 @@ export class Controller {
   private provedOf: Bench | null = null;
   /** The subject of the last picture: an input's field, or triangles. */
   private drawnOf: Bench | Shown | null = null;
-
-  /** The up axis: glTF's is y if the report names none. */
-  private upOf(current: Bench, up: string | null): string | null {
-    return up ?? (/\.(glb|gltf)$/i.test(current.name) ? "y" : null);
-  }
 
   /** Sets the view for a new shape; for a changed one the view is kept unless the size is very different. */
   private frameShape(current: Bench, parts: readonly Part[], up: string | null): void {
@@ -702,9 +686,6 @@ export class Controller {
     this.notify();
   }
 }
-
-/** A file name that the command does not parse as an option. */
-const nameOf = ({ name }: File): string => name.replace(/^-+/, "_");
 
 const keepingBest = (line: Line): Line => (line.includes(KEEP_BEST) ? line : [...line, KEEP_BEST]);
 

@@ -1,5 +1,5 @@
 // The input on the bench, and the arguments of the command for it. The line that the page shows is the line that was run.
-import type { Files } from "./command";
+import type { Files } from "../core/command";
 
 export type BudgetKind = "tol" | "px" | "triangles";
 

@@ -1,7 +1,7 @@
 // What the export buttons write: the mesh that was proved and is shown, as it is or converted, which takes milliseconds; and
 // what the command makes of the input itself, such as tiles. A run that fails is a sentence, never a file.
 import type { Controller } from "./controller";
-import type { Files } from "./command";
+import type { Files } from "../core/command";
 import { type Line, stem } from "./document";
 import { type Fault, faultOf, madeBy } from "./outcome";
 import type { Shown, State } from "./state";

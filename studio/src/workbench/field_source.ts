@@ -1,6 +1,6 @@
 // The field of the current script in GLSL, for the graphics card. Runs follow one another like drafts, so that the picture
 // follows a drag.
-import type { Files, Outcome } from "./command";
+import type { Files, Outcome } from "../core/command";
 import { type Bench, type Line, isScript, reading } from "./document";
 import { madeBy, reportOf } from "./outcome";
 import type { State } from "./state";

@@ -63,6 +63,9 @@ export interface Frame {
   metres_per_unit: number | null;
 }
 
+/** The axis of a file that is up: glTF's is y if the report names none. */
+export const upOf = (name: string, { up }: Frame): string | null => up ?? (/\.(glb|gltf)$/i.test(name) ? "y" : null);
+
 /** The parts of the scene in the coordinates of the original shape, one for each node with triangles. */
 export function parts(bytes: Uint8Array, frame: Frame): Part[] {
   const file = open(bytes);

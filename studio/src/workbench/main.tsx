@@ -1,30 +1,15 @@
 // Runs the workbench: reads the address, loads the command when it is first needed, draws at most once a frame.
 import { render } from "preact";
+import { commandJobs } from "../core/command_module";
 import { App } from "./App";
 import { Controller } from "./controller";
 import { example } from "./examples";
-import { Jobs, type WorkerLike } from "./jobs";
 import { unpack } from "./share";
 import { Shelf, storage } from "./shelf";
 import type { Language } from "./texts";
 
-const file = new URL("../../wasm/command.wasm", import.meta.url);
 const root = document.getElementById("app")!;
 const language: Language = document.documentElement.lang.startsWith("zh") ? "zh" : "en";
-
-let compiled: Promise<WebAssembly.Module> | undefined;
-/** Compiles the module once; after a failure the next call tries again. */
-function module(): Promise<WebAssembly.Module> {
-  compiled ??= fetch(file).then(async (response) => {
-    if (!response.ok) throw new Error(`${response.status}`);
-    // Not compileStreaming, because it requires a media type that some hosts do not send.
-    return WebAssembly.compile(await response.arrayBuffer());
-  });
-  compiled.catch(() => (compiled = undefined));
-  return compiled;
-}
-
-const worker = (): WorkerLike => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
 
 let control: Controller;
 let shelf: Shelf;
@@ -68,7 +53,7 @@ async function begin(): Promise<void> {
   shelf = new Shelf(storage(), redraw);
   // A shared script is shown and not kept, unless it is one of the shelf's, as after a reload.
   const first = shared ? shelf.known(shared) : (shelf.last() ?? example("bracket"));
-  control = new Controller(new Jobs(module, worker), first, redraw);
+  control = new Controller(commandJobs(), first, redraw);
   control.shelf = shelf;
   root.replaceChildren();
   // If the address has a link, it contains the changes since the command opened the file, so the link wins.

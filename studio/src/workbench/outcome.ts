@@ -1,6 +1,6 @@
 // Reads the outcome of a run: its report, its error with the place in the script, and samples of a field.
 import type { Vec3 } from "../viewer";
-import type { Files, Outcome } from "./command";
+import type { Files, Outcome } from "../core/command";
 import type { Report } from "./report";
 
 export interface Fault {

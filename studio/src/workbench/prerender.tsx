@@ -1,11 +1,11 @@
 // Writes the pages of the workbench as text at build time, for readers without script and until the command is loaded.
 import { renderToString } from "preact-render-to-string";
+import { Jobs } from "../core/jobs";
 import type { Written } from "../exhibits/prerender";
 import { TAGS } from "../exhibits/say";
 import { App } from "./App";
 import { Controller } from "./controller";
 import { example } from "./examples";
-import { Jobs } from "./jobs";
 import { type Language, TEXTS } from "./texts";
 
 const never = () => {
@@ -25,4 +25,4 @@ export function workbenches(): Written[] {
 }
 
 // For the picture that the build draws.
-export { run } from "./command";
+export { run } from "../core/command";

@@ -1,5 +1,5 @@
 // How long a run probably still takes.
-import type { Progress } from "./command";
+import type { Progress } from "../core/command";
 import type { Running } from "./state";
 
 /** The time left is told from so far on: earlier it jumps. */

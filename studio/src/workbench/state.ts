@@ -1,6 +1,6 @@
 // The state of the workbench page.
+import type { Progress } from "../core/command";
 import type { Size, Vec3, View } from "../viewer";
-import type { Progress } from "./command";
 import type { Bench, Line } from "./document";
 import type { Carried } from "./carried";
 import type { Exported } from "./exports";

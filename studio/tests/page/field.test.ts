@@ -6,7 +6,7 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import { build } from "vite";
 import type { View } from "../../src/viewer";
-import { type Outcome, run } from "../../src/workbench/command";
+import { type Outcome, run } from "../../src/core/command";
 import { cameraText } from "../../src/workbench/pictures";
 import { ROOT, Site } from "./site";
 import { commandModule, text } from "./workbench_page";

@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, describe, expect, test, vi } from "vitest";
-import { run } from "../../src/workbench/command";
+import { run } from "../../src/core/command";
 import { split } from "../../src/workbench/document";
 import { ROOT, Site, digits, settled } from "./site";
 import { PATIENCE, Workbenches, commandModule, faults, line, panel, small, text, write } from "./workbench_page";

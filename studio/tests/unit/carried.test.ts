@@ -2,7 +2,7 @@
 import { expect, test } from "vitest";
 import { Controller } from "../../src/workbench/controller";
 import { bench, textOf } from "../../src/workbench/document";
-import type { Jobs } from "../../src/workbench/jobs";
+import type { Jobs } from "../../src/core/jobs";
 import type { LaneName } from "../../src/workbench/state";
 
 const text = (of: string) => new TextEncoder().encode(of);

@@ -2,7 +2,7 @@
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { beforeAll, describe, expect, test } from "vitest";
-import { run } from "../../src/workbench/command";
+import { run } from "../../src/core/command";
 import { parts } from "../../src/workbench/glb";
 import { angleBetween, chainOf, circleThrough, cylinderAt, spotAt, thickness } from "../../src/workbench/measure/measures";
 import { type Solid, hit, joined, normalOf, solidOf } from "../../src/workbench/measure/solid";

@@ -2,7 +2,7 @@
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { beforeAll, expect, test } from "vitest";
-import { run } from "../../src/workbench/command";
+import { run } from "../../src/core/command";
 import { inScript, isMendable, withoutFault } from "../../src/workbench/faults";
 import { parts } from "../../src/workbench/glb";
 import { type Fault, faultOf } from "../../src/workbench/outcome";

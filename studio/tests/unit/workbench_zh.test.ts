@@ -2,7 +2,7 @@
 import { readFileSync, readdirSync } from "node:fs";
 import { beforeAll, describe, expect, test, vi } from "vitest";
 import { DOCTOR } from "../../src/exhibits/doctor_texts";
-import { run } from "../../src/workbench/command";
+import { run } from "../../src/core/command";
 import {
   ADVICE,
   CURES,

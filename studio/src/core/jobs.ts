@@ -1,7 +1,7 @@
 // The page's side of the workers. Runs are assigned to lanes, such as draft and proof: lanes run in parallel, and in a lane
 // a new run cancels the previous one by ending its worker. The module is compiled once for all workers.
 import type { Files, Outcome, Progress } from "./command";
-import type { Order, Reply } from "./worker";
+import type { Order, Reply } from "./command_worker";
 
 /** The part of `Worker` that the lanes use; tests pass their own. */
 export interface WorkerLike {
