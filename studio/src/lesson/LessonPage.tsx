@@ -1,5 +1,6 @@
 // The lesson's page: the outline, filled with the texts of one language. Rendered at build time only; enhance.ts and live.tsx
 // make it work.
+import { Fragment } from "preact";
 import type { AnyExhibit } from "../exhibits/exhibit";
 import { Languages, Mark } from "../exhibits/Frame";
 import { fileOf } from "../exhibits/index";
@@ -18,8 +19,10 @@ import {
   type GuessPlan,
   QUESTIONS,
   SECTIONS,
+  STATIONS,
   TERMS,
 } from "./outline";
+import { BRING } from "./own/words";
 
 export interface Still {
   exhibit: AnyExhibit;
@@ -80,7 +83,10 @@ export function LessonPage(props: LessonProps) {
               <h2>{title}</h2>
               {lead && <p class="lead">{lead}</p>}
               {blocksOf(section).map((plan) => (
-                <Block key={plan.id} plan={plan} {...props} block={blocks[plan.id as BlockId]} guess={guesses[plan.id as GuessId]} />
+                <Fragment key={plan.id}>
+                  <Block plan={plan} {...props} block={blocks[plan.id as BlockId]} guess={guesses[plan.id as GuessId]} />
+                  <Station at={plan.id} />
+                </Fragment>
               ))}
             </section>
           );
@@ -113,6 +119,7 @@ export function LessonPage(props: LessonProps) {
         <section id="ending">
           <p class="closing">{text.ending.title}</p>
           <p>{text.ending.text}</p>
+          <Station at="ending" />
           <nav class="onwards" aria-label={words.onward}>
             <a href={fileOf("exhibits", language)}>{words.exhibits}</a>
             <a href={language === "en" ? "index.html" : "zh.html"}>{words.widget}</a>
@@ -156,11 +163,16 @@ function Hero({ language, text, facts, teapot }: LessonProps) {
       <div class="hero-text">
         <h1>{hero.question}</h1>
         <p class="lead">{hero.sentence(facts, say)}</p>
-        <p>
+        <div class="begins">
           <a class="begin" href="#question">
             {words.begin}
           </a>
-        </p>
+          {/* Shown by the script that it needs. */}
+          <div class="own-begin" data-own-begin hidden>
+            <button type="button">{BRING[language]}</button>
+            <div data-own-line />
+          </div>
+        </div>
       </div>
       <div class="hero-figure" data-hero={teapot} data-words={JSON.stringify(spoken(words))}>
         <HeroBench
@@ -213,6 +225,12 @@ function Block(props: BlockProps) {
       {plan.code && <Code name={plan.code} code={code} words={text.words} />}
     </article>
   );
+}
+
+/** Where a shape of the reader's own appears, once there is one. */
+function Station({ at }: { at: string }) {
+  const station = STATIONS.find((one) => one.at === at);
+  return station ? <section class="own" id={`own-${station.id}`} data-own={station.id} hidden /> : null;
 }
 
 function PlacedFigure({ plan, figure, stills, language, text }: BlockProps & { figure: string }) {

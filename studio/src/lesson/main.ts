@@ -2,6 +2,7 @@
 import { cards } from "./cards";
 import { code } from "./code_tabs";
 import { guesses } from "./guesses";
+import { own } from "./own/begin";
 import { terms } from "./terms";
 
 const html = document.documentElement;
@@ -9,6 +10,7 @@ terms();
 code();
 guesses();
 cards();
+own();
 html.dataset["scripted"] = "1";
 void import("./live").then(({ live }) => {
   live();

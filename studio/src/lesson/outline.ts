@@ -185,3 +185,15 @@ export type TermId = (typeof TERMS)[number];
 /** The six questions at the end. */
 export const QUESTIONS = ["triangles", "normals", "winding", "joins", "fields", "cost"] as const;
 export type QuestionId = (typeof QUESTIONS)[number];
+
+/** Where a shape of the reader's own is shown beside the teapot, in the order of the page: below a block, or at the ending. */
+export const STATIONS = [
+  { id: "triangles", at: "fan" },
+  { id: "buffers", at: "indexed" },
+  { id: "normals", at: "normals" },
+  { id: "sound", at: "manifold" },
+  { id: "field", at: "baking" },
+  { id: "levels", at: "levels" },
+  { id: "bound", at: "ending" },
+] as const satisfies readonly { id: string; at: BlockId | "ending" }[];
+export type StationId = (typeof STATIONS)[number]["id"];

@@ -1,5 +1,5 @@
 // What a script lacks: a file that it reads, or the font of a text; and the script once that was chosen or dropped.
-import type { Files } from "./command";
+import type { Files } from "../core/command";
 import { type Bench, isScript, textOf, withText } from "./document";
 import type { State } from "./state";
 

@@ -1,6 +1,7 @@
 // Runs the workbench: reads the address, loads the command when it is first needed, draws at most once a frame.
 import { render } from "preact";
 import { commandJobs } from "../core/command_module";
+import { keptShape } from "../core/kept_shape";
 import { App } from "./App";
 import { Controller } from "./controller";
 import { example } from "./examples";
@@ -33,9 +34,13 @@ function draw(): void {
   else delete html.dataset["settled"];
 }
 
-/** The files that were given to `chordal studio FILE`. */
-async function filesOfCommand(): Promise<File[]> {
-  const names = new URLSearchParams(location.search).getAll("open");
+/** The files that were given to `chordal studio FILE`, or the shape that the lesson keeps. */
+async function filesOfAddress(): Promise<File[]> {
+  const search = new URLSearchParams(location.search);
+  const own = search.has("own") ? await keptShape() : null;
+  // The shape comes first: the others are those to which it refers.
+  if (own) return [own.name, ...Object.keys(own.files).filter((name) => name !== own.name)].map((name) => new File([own.files[name] as BlobPart], name));
+  const names = search.getAll("open");
   const fetched = names.map(async (name, number) => {
     const response = await fetch(`opened/${number}`);
     return response.ok ? [new File([await response.blob()], name)] : [];
@@ -46,7 +51,7 @@ async function filesOfCommand(): Promise<File[]> {
 async function begin(): Promise<void> {
   const encoded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
   const shared = encoded ? await unpack(encoded) : null;
-  const opened = await filesOfCommand();
+  const opened = await filesOfAddress();
   const redraw = () => {
     frame ||= requestAnimationFrame(draw);
   };

@@ -8,7 +8,9 @@ import type { AnyExhibit } from "../../src/exhibits/exhibit";
 import { EXHIBITS } from "../../src/exhibits/index";
 import { loaded } from "../../src/lesson/figures";
 import { LESSONS } from "../../src/lesson/languages";
-import { BLOCKS, QUESTIONS, SECTIONS, TERMS } from "../../src/lesson/outline";
+import { BLOCKS, QUESTIONS, SECTIONS, STATIONS, TERMS } from "../../src/lesson/outline";
+import { COMPONENTS } from "../../src/lesson/own/stations";
+import { OWN_TEXTS } from "../../src/lesson/own/texts";
 import { lessons } from "../../src/lesson/prerender";
 import { unpacked } from "../../src/lesson/teapot_levels";
 
@@ -50,6 +52,22 @@ describe.each(Object.keys(LESSONS))("%s", (language) => {
     expect(values(html, "data-guess")).toEqual(BLOCKS.filter(({ guess }) => guess).map(({ id }) => id));
     expect(values(html, "data-card")).toEqual([...QUESTIONS]);
     expect(values(html, "id").filter((id) => id.startsWith("term-"))).toEqual(TERMS.map((id) => `term-${id}`));
+  });
+
+  test("has every station of a shape of the reader's own, empty, below its block", () => {
+    const html = page();
+    expect(values(html, "data-own")).toEqual(STATIONS.map(({ id }) => id));
+    for (const { id, at } of STATIONS) {
+      const block = html.indexOf(at === "ending" ? '<section id="ending"' : `id="block-${at}"`);
+      const place = html.indexOf(`<section class="own" id="own-${id}"`);
+      expect(html.slice(place)).toMatch(/^<section [^>]*hidden[^>]*><\/section>/);
+      expect(block, id).toBeGreaterThan(0);
+      expect(block, id).toBeLessThan(place);
+      expect(html.slice(block, place), id).not.toContain(' id="block-');
+    }
+    const { stations } = OWN_TEXTS[language as keyof typeof OWN_TEXTS];
+    expect(Object.keys(stations)).toEqual(Object.keys(COMPONENTS));
+    expect(Object.keys(stations)).toEqual(STATIONS.map(({ id }) => id));
   });
 
   test("explains each term where it is first used, in the order of the list", () => {
