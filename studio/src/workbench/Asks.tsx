@@ -3,7 +3,7 @@
 import { useRef } from "preact/hooks";
 import { Slider } from "../view/parts";
 import { isDrawing, isVolume, split, without } from "./document";
-import { lackOf, supplied } from "./lack";
+import { lackOf } from "./lack";
 import { PANEL_TEXTS } from "./panel_texts";
 import { TextField } from "./TextField";
 import type { Page } from "./words";
@@ -50,7 +50,7 @@ function FileAsk({ page }: { page: Page }) {
   if (!lack) return null;
   const { name, isFont } = lack;
   const add = async (file: File | undefined) => {
-    if (file) control?.put(supplied(state.bench, lack, { [file.name]: new Uint8Array(await file.arrayBuffer()) }));
+    if (file) control?.supply(lack, { [file.name]: new Uint8Array(await file.arrayBuffer()) });
   };
   return (
     <div class="ask" role="group" aria-label={words.ask}>

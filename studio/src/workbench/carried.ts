@@ -2,7 +2,7 @@
 import type { Files } from "../core/command";
 import type { Controller } from "./controller";
 import { BUDGET, type Bench, type Budget, bench } from "./document";
-import { reportOf } from "./outcome";
+import { faultOf, reportOf } from "./outcome";
 import type { Certificate } from "./report";
 
 /** A script in a certificate, as docs/schema/report.schema.json describes it. */
@@ -38,7 +38,17 @@ export async function carriedBy(control: Controller, file: Bench): Promise<Bench
   const { inspection } = run ? reportOf(run.outcome) : {};
   const certificate = inspection?.found?.certificate;
   const [source] = certificate?.sources ?? [];
-  return source && certificate && NAME.test(source.name) ? scriptOf(file, source, certificate) : null;
+  return source && certificate && NAME.test(source.name) ? scriptOf(await withBeside(control, file, source), source, certificate) : null;
+}
+
+/** The file with those that its script reads and does not carry, such as fonts, as far as this browser keeps them. */
+async function withBeside(control: Controller, file: Bench, { files = [] }: Source): Promise<Bench> {
+  const found: Files = {};
+  for (const { path, sha256, text } of files) {
+    const kept = text === undefined && !file.files[path] ? await control.cupboard?.withDigest(sha256) : null;
+    if (kept) found[path] = kept;
+  }
+  return { ...file, files: { ...found, ...file.files } };
 }
 
 function scriptOf(file: Bench, source: Source, certificate: Partial<Certificate>): Bench {
@@ -63,10 +73,12 @@ function budgetOf(facts: Certificate["budget"]): Budget {
 export async function verifyCarried(control: Controller, file: Bench, script: Bench): Promise<void> {
   const carried: Carried = { file, script, verdict: null, isRunning: true, reason: "" };
   control.change({ carried });
-  const run = await control.runSupported("verify", ["verify", file.name], file.files, true);
+  // What the file does not carry, such as fonts, the script has been given.
+  const { [script.name]: _, ...beside } = script.files;
+  const run = await control.runSupported("verify", ["verify", file.name], { ...beside, ...file.files }, true);
   if (control.state.carried !== carried) return;
   const report = run ? (reportOf(run.outcome) as { verdict?: Carried["verdict"]; claims?: { claim: string; verdict: string; reason?: string }[] }) : {};
   const open = report.claims?.find(({ verdict }) => verdict !== "re-proved");
-  const reason = open ? `${open.claim}: ${open.reason ?? open.verdict}` : (run && !report.verdict && run.outcome.stderr.trim()) || "";
+  const reason = open ? `${open.claim}: ${open.reason ?? open.verdict}` : (run && !report.verdict && faultOf(run.outcome).text) || "";
   control.change({ carried: { ...carried, verdict: report.verdict ?? null, isRunning: false, reason } });
 }

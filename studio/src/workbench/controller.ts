@@ -23,13 +23,14 @@ import { carriedBy, verifyCarried } from "./carried";
 import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, upOf, withPictures } from "./glb";
 import { MOST_FAULTS, inScript, isFurther, isMendable, withCause, withoutFault } from "./faults";
+import type { Cupboard } from "./cupboard";
 import { FieldSource } from "./field_source";
 import { opened } from "./opened";
 import { type Fault, KEEP_BEST, faultOf, madeBy, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
-import { lackOf, suits, supplied } from "./lack";
+import { type Lack, lackOf, suits, supplied } from "./lack";
 import type { Trace } from "./trace/faces";
 import { shadowOf } from "./trace/shadow";
 import { withLeft } from "./progress";
@@ -80,6 +81,8 @@ export class Controller {
   state: State;
   /** The scripts that this browser keeps; `null` while pages are written. */
   shelf: Shelf | null = null;
+  /** The files that scripts were given in this browser; `null` while pages are written, and in tests. */
+  cupboard: Cupboard | null = null;
   private readonly fieldSource = new FieldSource({
     state: () => this.state,
     update: (change) => this.update(change),
@@ -200,6 +203,7 @@ export class Controller {
     const { bench: current, shown, ended } = this.state;
     const { [current.name]: _, ...beside } = current.files;
     const next = { ...named, files: { ...beside, ...named.files } };
+    void this.cupboard?.keep(next, beside);
     const isSettled = ended === current && shown?.bench === current && !this.timers.has("proof");
     if (!isSettled) return this.put(next);
     if (this.provedOf === current) this.provedOf = next;
@@ -266,7 +270,7 @@ export class Controller {
     // Other files were opened while these were read; those are shown.
     if (number !== this.openCount) return true;
     if (lack && before === this.state.bench && suits(lack, Object.keys(file.files))) {
-      this.put(supplied(before, lack, file.files));
+      this.supply(lack, file.files);
       return true;
     }
     // A file of the same name may be another shape, so nothing of the old one is kept.
@@ -280,6 +284,27 @@ export class Controller {
     return true;
   }
   private openCount = 0;
+
+  /** Gives the script what it lacks. If it is carried by a file, that can be proved again now. */
+  supply(lack: Lack, given: Files): void {
+    const { bench: before, carried } = this.state;
+    const next = supplied(before, lack, given);
+    const { [next.name]: _, ...beside } = next.files;
+    this.put(next);
+    void this.cupboard?.keep(next, beside);
+    if (carried?.verdict === null && carried.script.name === before.name) void verifyCarried(this, carried.file, next);
+  }
+
+  /** Looks for a file that the script lacks among those that this browser keeps. */
+  private async seek(): Promise<void> {
+    const { bench: current } = this.state;
+    const lack = lackOf(this.state);
+    const bytes = lack?.name ? await this.cupboard?.find(current, lack.name) : null;
+    if (!lack || !bytes || current !== this.state.bench) return;
+    // No step of undo, which would only lead back to here.
+    this.update({ bench: supplied(current, lack, { [lack.name!]: bytes }), fault: null });
+    this.restart(false);
+  }
 
   /** Replaces the input by the result of a verb. */
   async step(verb: string, options: Line, output: string): Promise<void> {
@@ -507,6 +532,7 @@ export class Controller {
     if (!bytes || !certificate) {
       const fault = faultOf(outcome);
       if (lane === "draft" || isNewest) this.update({ fault: isScript(input) ? withCause(fault, textOf(input)) : fault });
+      if (isNewest) void this.seek();
       return false;
     }
     const up = upOf(input.name, certificate.frame);

@@ -15,25 +15,25 @@ export interface Lack {
 const MISSING = /'([^']+)' cannot be (?:used|loaded): no such file or directory/;
 /** A text that is set without a font. */
 const NO_FONT = /`font` for call to `text`|text\(\) needs 'font'/;
-const FONT = /\.(ttf|otf|ttc)$/i;
+export const isFont = (name: string): boolean => /\.(ttf|otf|ttc)$/i.test(name);
 
 /** What the script on the bench lacks; `null` if it is another mistake, or none. */
 export function lackOf({ bench, fault }: Pick<State, "bench" | "fault">): Lack | null {
   if (!isScript(bench) || !fault) return null;
   const name = MISSING.exec(fault.text)?.[1] ?? null;
   if (name === null && !NO_FONT.test(fault.text)) return null;
-  return { name, isFont: name === null || FONT.test(name), line: fault.line ?? 1 };
+  return { name, isFont: name === null || isFont(name), line: fault.line ?? 1 };
 }
 
 const endingOf = (name: string): string => /\.[^.]*$/.exec(name)?.[0].toLowerCase() ?? "";
 
 /** Whether files that are dropped are what the script lacks, and not a shape of their own. */
-export function suits({ name, isFont }: Lack, dropped: readonly string[]): boolean {
+export function suits({ name, isFont: wantsFont }: Lack, dropped: readonly string[]): boolean {
   if (name !== null && dropped.includes(name)) return true;
   const [only, ...others] = dropped;
   if (only === undefined || others.length) return false;
   // A script of another name is a script to open.
-  return isFont ? FONT.test(only) : endingOf(only) === endingOf(name!) && endingOf(only) !== ".star";
+  return wantsFont ? isFont(only) : endingOf(only) === endingOf(name!) && endingOf(only) !== ".star";
 }
 
 /** The bench with what it lacks: files under their own names, or a single one under the name in the script, whatever its own is. */

@@ -4,6 +4,7 @@ import { commandJobs } from "../core/command_module";
 import { keptShape } from "../core/kept_shape";
 import { App } from "./App";
 import { Controller } from "./controller";
+import { Cupboard, browserDrawer } from "./cupboard";
 import { example } from "./examples";
 import { unpack } from "./share";
 import { Shelf, storage } from "./shelf";
@@ -60,6 +61,7 @@ async function begin(): Promise<void> {
   const first = shared ? shelf.known(shared) : (shelf.last() ?? example("bracket"));
   control = new Controller(commandJobs(), first, redraw);
   control.shelf = shelf;
+  control.cupboard = new Cupboard(browserDrawer());
   root.replaceChildren();
   // If the address has a link, it contains the changes since the command opened the file, so the link wins.
   const isOpen = opened.length > 0 && !shared && (await control.open(opened));
