@@ -31,6 +31,7 @@ import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
 import { type Lack, lackOf, suits, supplied } from "./lack";
+import { HOME, framing } from "./stage/framing";
 import type { Trace } from "./trace/faces";
 import { shadowOf } from "./trace/shadow";
 import { withLeft } from "./progress";
@@ -44,7 +45,6 @@ interface LanguageTable {
   keywords?: readonly string[];
 }
 
-const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
 /** The pause after the last change before the proof starts, and after a turn before a picture is rendered. */
 const REST_MS = 250;
 /** The tolerance of a draft, and so its cells, relative to the diagonal. Chosen: a smaller one takes visibly long. */
@@ -61,14 +61,6 @@ const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
 const SHOWN_FIRST = 1e6;
 /** The command's exit code for an unknown option. */
 const USAGE = 2;
-/** The initial distance from the centre of the box to the eye, in diagonals. */
-const AWAY = 2.4;
-/** If the size changes by this factor, the view is reset. Chosen: up to it the eye stays outside of the shape. */
-const OTHER_SIZE = 3;
-/** The same for a view that was only turned since: there is nothing to keep. Chosen: dragging a number stays visible as growth. */
-const OUTGROWN = 1.25;
-/** A shape that moved by this share of its diagonal is looked for by such a view. */
-const MOVED = 0.25;
 /** Pixels of a ray-traced picture: as many as take about a second. */
 const MOST_DOTS = 120_000;
 /** Cells along the longest side of a slice; each is shown as one or two pixels. */
@@ -571,24 +563,11 @@ export class Controller {
     const box = boxOf(parts);
     if (isNew && !box) return;
     if (!box) return void (this.framed = { ...this.framed!, up });
-    const [low, high] = box;
-    const diagonal = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
-    const target: Vec3 = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
-    const { view, home: oldHome } = this.state;
-    const { azimuth, elevation } = isNew ? HOME : view;
-    const home = { ...HOME, target, distance: AWAY * diagonal };
-    // Fitting it into the picture is always about the shape that is shown.
-    this.update({ home });
-    // Whoever has come nearer, or looks at a place, is left there.
-    const before = this.framed?.view ?? HOME;
-    const isUntouched = [before, oldHome].some((one) => view.distance === one.distance && view.target.every((x, k) => x === one.target[k]));
-    const grown = home.distance / (isUntouched ? view : before).distance;
-    const isMoved = isUntouched && Math.hypot(...target.map((x, k) => x - view.target[k]!)) > MOVED * diagonal;
-    const isKept = Math.max(grown, 1 / grown) < (isUntouched ? OUTGROWN : OTHER_SIZE) && !isMoved;
-    const next = { ...view, ...home, azimuth, elevation };
-    this.framed = { name: current.name, up, view: isNew || (!this.dragged && !isKept) ? next : before };
-    if (this.framed.view !== next) return;
-    this.update({ view: next });
+    const { view, home } = this.state;
+    const next = framing(box, { view, home, before: isNew ? null : this.framed!.view }, this.dragged);
+    this.framed = { name: current.name, up, view: next.view ?? this.framed!.view };
+    this.update(next.view ? { home: next.home, view: next.view } : { home: next.home });
+    if (!next.view) return;
     // The pixels were counted from the previous position.
     if (current.budget.by === "px") this.schedule("proof", () => void this.prove());
   }

@@ -1,6 +1,6 @@
 // The files that scripts read, such as fonts, kept in this browser: so that a script that is opened again, or a file that
 // carries one, has them without asking. They are found by their contents, or by the script that they were given to.
-import type { Files } from "./command";
+import type { Files } from "../core/command";
 import type { Bench } from "./document";
 import { isFont } from "./lack";
 

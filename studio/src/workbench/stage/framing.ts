@@ -1,0 +1,38 @@
+// The view of a shape: where the whole of it is seen, and whether the view follows a shape that changed.
+import type { Vec3, View } from "../../viewer";
+import type { Box } from "../pixels";
+
+export const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
+/** The distance from the centre of the box to the eye, in diagonals. */
+const AWAY = 2.4;
+/** If the size changes by this factor, the view is set anew. Chosen: up to it the eye stays outside of the shape. */
+const OTHER_SIZE = 3;
+/** The same for a view that was only turned since: there is nothing to keep. Chosen: a smaller growth is best seen as such. */
+const OUTGROWN = 1.25;
+/** A shape that moved by this share of its diagonal is looked for by such a view. */
+const MOVED = 0.25;
+
+interface Framed {
+  view: View;
+  home: View;
+  /** The view as it was set last; `null` for another shape. */
+  before: View | null;
+}
+
+const isAt = (view: View, place: View): boolean => view.distance === place.distance && view.target.every((x, k) => x === place.target[k]);
+
+/** The view that shows the whole box, and that to take now; without one the view stays. */
+export function framing([low, high]: Box, { view, home: oldHome, before }: Framed, isDragged: boolean): { home: View; view?: View } {
+  const diagonal = Math.hypot(...low.map((x, k) => high[k]! - x)) || 1;
+  const target = low.map((x, k) => (x + high[k]!) / 2) as unknown as Vec3;
+  const home = { ...HOME, target, distance: AWAY * diagonal };
+  const { azimuth, elevation } = before ? view : HOME;
+  const next = { ...view, ...home, azimuth, elevation };
+  if (!before) return { home, view: next };
+  // Whoever has come nearer, or looks at a place, is left there; and so is a hand that drags a number.
+  const isUntouched = isAt(view, before) || isAt(view, oldHome);
+  const grown = home.distance / (isUntouched ? view : before).distance;
+  const isMoved = isUntouched && Math.hypot(...target.map((x, k) => x - view.target[k]!)) > MOVED * diagonal;
+  const isFitting = Math.max(grown, 1 / grown) < (isUntouched ? OUTGROWN : OTHER_SIZE) && !isMoved;
+  return isDragged || isFitting ? { home } : { home, view: next };
+}
