@@ -44,6 +44,6 @@ export class Say {
   /** With its unit: bytes below ten thousand, otherwise kilobytes. */
   bytes(value: number): string {
     if (value < 10_000) return this.language === "zh" ? `${this.whole(value)} 字节` : `${this.whole(value)} bytes`;
-    return `${this.number(value / 1000)} kB`;
+    return value < 1e6 ? `${this.number(value / 1e3)} kB` : `${this.number(value / 1e6)} MB`;
   }
 }

@@ -1,5 +1,5 @@
 // The workbench page: the picture over the whole window, panels that slide over it, and a line that always says what is proved.
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { PAINT } from "../exhibits/paint";
 import { Mark, jump } from "../exhibits/Frame";
 import { FRAME } from "../exhibits/frame_texts";
@@ -60,6 +60,23 @@ export function App({ language, state, control }: Props) {
     addEventListener("keydown", key);
     return () => removeEventListener("keydown", key);
   }, [control]);
+  // The help lies over the picture: Escape and a press elsewhere close it.
+  const about = useRef<HTMLDetailsElement>(null);
+  useEffect(() => {
+    const close = (event: Event) => {
+      const isOther = event instanceof KeyboardEvent ? event.key === "Escape" : !about.current?.contains(event.target as Node);
+      if (!about.current?.open || !isOther) return;
+      // What is measured stays.
+      if (event instanceof KeyboardEvent) event.preventDefault();
+      about.current.open = false;
+    };
+    addEventListener("keydown", close, true);
+    addEventListener("pointerdown", close, true);
+    return () => {
+      removeEventListener("keydown", close, true);
+      removeEventListener("pointerdown", close, true);
+    };
+  }, []);
   // Between the script and the picture: the calls whose faces are marked, and the call to show in the text.
   const [chosen, setChosen] = useState<readonly CallSite[]>([]);
   const [reveal, setReveal] = useState<CallSite | null>(null);
@@ -147,7 +164,7 @@ export function App({ language, state, control }: Props) {
           <a href={LESSON[language]}>{words.lesson}</a>
           <a href={language === "zh" ? "exhibits.zh.html" : "exhibits.html"}>{words.exhibits}</a>
         </nav>
-        <details class="about">
+        <details class="about" ref={about}>
           <summary>{texts.help}</summary>
           <div class="card">
             <p class="lead">{words.lead}</p>

@@ -119,6 +119,19 @@ test("the wheel zooms without scrolling the page, sides and projection change by
   expect(await page.getByLabel("Grid", { exact: true }).isChecked()).toBe(false);
 });
 
+test("the help is closed by Escape and by a press elsewhere, and what is measured stays", async () => {
+  const { page } = await pages.open(undefined, LAPTOP);
+  const isOpen = () => page.locator(".about").evaluate((about) => (about as HTMLDetailsElement).open);
+  await page.getByLabel("Measure").selectOption("wall");
+  await page.locator(".about summary").click();
+  expect(await isOpen()).toBe(true);
+  await page.keyboard.press("Escape");
+  expect([await isOpen(), await page.locator(".measure-card").count()]).toEqual([false, 1]);
+  await page.locator(".about summary").click();
+  await page.mouse.click(700, 600);
+  expect(await isOpen()).toBe(false);
+});
+
 test("distances, walls and edges of a box are measured on its mesh, by pointer and by keys, and Escape clears", async () => {
   const { page } = await pages.open(await small("box(4, 3, 2)"), LAPTOP);
   await page.waitForSelector("html[data-solid]");
