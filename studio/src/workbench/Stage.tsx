@@ -25,7 +25,7 @@ import { drawSlice } from "./slice";
 import { GridLabels, Sizes, Triad, gridMiddle, groundLayers } from "./stage/ground";
 import { type Look, layersOf } from "./stage/layers";
 import { type Hands, SIDES, SIDE_NAMES, fitted, orbit } from "./stage/orbit";
-import { ALIGNED, type Cut, FIRST, flipped, isKept, normalOf, planeOf } from "./stage/section";
+import { ALIGNED, type Cut, FIRST, flipped, isKept, normalOf, placeOf, planeOf } from "./stage/section";
 import type { CallSite } from "./trace/shadow";
 import type { Page } from "./words";
 
@@ -137,6 +137,8 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
     return () => removeEventListener("keydown", escape);
   }, []);
 
+  const across = plane && placeOf(plane);
+  const placed = across && `${across.axis} = ${page.say.number(across.value)}${unit && ` ${unit}`}`;
   const pulls: Pull[] =
     cut && plane
       ? [
@@ -235,7 +237,7 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
             <Slider
               id="cut"
               label={words.cutAt}
-              shown={page.say.percent(cut.share)}
+              shown={placed ? `${page.say.percent(cut.share)}, ${placed}` : page.say.percent(cut.share)}
               low={0}
               high={1}
               step={0.01}

@@ -57,6 +57,12 @@ export function planeOf(cut: Cut, box: Box): CutPlane {
   return { section: { normal, offset, paint: PAINT.mark }, at: along(offset), low: along(least), high: along(most) };
 }
 
+/** The axis that a plane stands across, and where; `undefined` if it is tilted. */
+export function placeOf({ section: { normal }, at }: CutPlane): { axis: "x" | "y" | "z"; value: number } | undefined {
+  const k = normal.findIndex((x) => Math.abs(x) > 1 - 1e-9);
+  return k < 0 ? undefined : { axis: "xyz"[k] as "x" | "y" | "z", value: at[k]! };
+}
+
 /** Whether a section leaves a point. */
 export const isKept = (section: Section | undefined, at: Vec3): boolean => !section || dot(section.normal, at) <= section.offset;
 
