@@ -5,7 +5,7 @@ import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, describe, expect, test, vi } from "vitest";
 import { run } from "../../src/core/command";
-import { Site, digits, settled } from "./site";
+import { ROOT, Site, digits, settled } from "./site";
 import { PATIENCE, Workbenches, commandModule, faults, line, panel, small, text, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
@@ -208,6 +208,21 @@ describe("a file", () => {
     await page.locator("[data-ask=raise]").click();
     await settled(page);
     expect(await line(page)).toContain("--extrude 1");
+  });
+
+  test("that a kept script was given is there after a reload, and may be dropped", async () => {
+    const { page } = await pages.open(await small('extrude(text("HI", "font.ttf", 0.01), 1)'));
+    await page.locator(".ask").waitFor();
+    await page.locator("[data-shelf=keep]").click();
+    // The field of the files that are opened, which a drop fills as well: the font has another name.
+    await page.locator(".inputs input[type=file][multiple]").setInputFiles(join(ROOT, "../tests/parts/block.ttf"));
+    await settled(page);
+    expect([await page.locator(".ask, .fault").count(), await script(page)]).toEqual([0, 'extrude(text("HI", "font.ttf", 0.01), 1)']);
+    const before = await digits(page, "triangles");
+    await page.reload();
+    await page.waitForSelector("html[data-ready]");
+    await settled(page);
+    expect([await page.locator(".ask, .fault").count(), await digits(page, "triangles")]).toEqual([0, before]);
   });
 
   test("of samples has a slider for its level, with the range of the values", async () => {
