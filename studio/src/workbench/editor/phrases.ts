@@ -24,7 +24,7 @@ export interface EditorPhrases {
 export const EDITOR_PHRASES: Record<Language, EditorPhrases> = {
   en: {
     keys: "Tab leaves the editor. Alt with arrow up or down changes the number at the cursor, with Shift ten times as much. Control and space completes a name. F8 goes to the error.",
-    hint: "Drag a number, or press Alt + ↑ ↓. Ctrl + Space completes.",
+    hint: "Drag numbers, or Alt + ↑ ↓; Ctrl + Space completes.",
     hintForTouch: "Drag a number, or tap it for − and +.",
     gap: " ",
     asDistance: (worth) => `The value is: ${worth}.`,

@@ -42,8 +42,8 @@ const theme = EditorView.theme({
   ".cm-panels.cm-panels-bottom": { borderTop: "1px solid var(--line)" },
   // Empty but not hidden: a hidden element is no live region.
   ".cm-problemPanel:not(:empty)": { ...row, alignItems: "baseline", padding: "var(--space-1) var(--space-3)" },
-  // Of one height while one writes, so that the editor does not jump when the cursor moves: two lines, and one for the hint before.
-  ".cm-below": { ...row, alignItems: "start", height: "2rem", overflow: "auto", padding: "var(--space-1) var(--space-3)" },
+  // Of one height while one writes, so that the editor does not jump when the cursor moves: two lines. Before, as high as the hint.
+  ".cm-below": { ...row, alignItems: "start", maxHeight: "3.1rem", overflow: "auto", padding: "var(--space-1) var(--space-3)" },
   "&.cm-focused .cm-below": { height: "3.1rem" },
   ".cm-help": { flex: "1", minWidth: "0", color: "var(--soft)" },
   ".cm-help p, .cm-card p": { margin: "0", font: "var(--text-small)/1.5 var(--sans)" },
