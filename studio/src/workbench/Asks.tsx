@@ -2,8 +2,8 @@
 // drawing, and the level of a volume's surface.
 import { useRef } from "preact/hooks";
 import { Slider } from "../view/parts";
-import { isDrawing, isVolume, split, without } from "./document";
-import { lackOf } from "./lack";
+import { type Bench, isDrawing, isVolume, split, without } from "./document";
+import { isFont, lackOf } from "./lack";
 import { PANEL_TEXTS } from "./panel_texts";
 import { TextField } from "./TextField";
 import type { Page } from "./words";
@@ -24,6 +24,9 @@ export function Asks({ page }: { page: Page }) {
     </>
   );
 }
+
+/** A font without the text that it is to set. */
+export const lacksText = ({ name, options }: Bench): boolean => isFont(name) && !optionOf(options, "--text");
 
 /** The value of an option on the bench; `null` if it is not there. */
 export function optionOf(options: string, name: string): string | null {
@@ -78,7 +81,7 @@ function FontAsk({ page }: { page: Page }) {
   const { state, control, language } = page;
   const words = PANEL_TEXTS[language];
   const { bench } = state;
-  if (!/\.(ttf|otf|ttc)$/i.test(bench.name)) return null;
+  if (!isFont(bench.name)) return null;
   const put = (options: string) => control?.put({ ...bench, options });
   return (
     <div class="ask" role="group" aria-label={words.ask}>
@@ -98,6 +101,7 @@ function HeightAsk({ page }: { page: Page }) {
   if (!isDrawing(bench)) return null;
   const put = (value: string | null) => control?.put({ ...bench, options: withOption(bench.options, "--extrude", value) });
   const height = optionOf(bench.options, "--extrude");
+  if (lacksText(bench)) return null;
   return (
     <div class="ask" role="group" aria-label={words.ask}>
       <label class="field">

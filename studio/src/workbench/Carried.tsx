@@ -11,7 +11,7 @@ export function CarriedNote({ page }: { page: Page }) {
   if (!carried || state.bench.name !== carried.script.name) return null;
   const { file, verdict, isRunning, reason } = carried;
   return (
-    <div class={`note carried ${verdict ?? ""}`} role="status">
+    <div class={`carried ${verdict ?? ""}`} role="status">
       <p>
         {words.carried(file.name, carried.script.name)}{" "}
         {isRunning ? words.carriedRunning : verdict ? words.carriedVerdicts[verdict] : words.carriedUnknown}

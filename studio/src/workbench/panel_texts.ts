@@ -91,7 +91,7 @@ export const PANEL_TEXTS: Record<Language, PanelTexts> = {
     keep: "Keep this script",
     isSaved: "Saved to a file",
     isInBrowser: "Kept in this browser, with changes that no file has",
-    isNotKept: "Not kept: only the address of this page has it",
+    isNotKept: "Not kept: only in this page's address",
     inBrowserOnly: "changes that no file has",
     shelfFaults: {
       refused: () => "This browser does not let the page keep anything. Save scripts to files before you leave.",

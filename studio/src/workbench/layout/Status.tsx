@@ -1,5 +1,6 @@
 // The line below the picture that always says what is known: the bound and how it is known, faults, what runs, and the scale.
 import { Working, evidenceOf, isKnown, sizeOf } from "../Certificate";
+import { lacksText } from "../Asks";
 import { isEmpty, isOutdated } from "../outdated";
 import { PANEL_TEXTS } from "../panel_texts";
 import { FaultSaid } from "../Said";
@@ -44,7 +45,9 @@ export function Status({ page, control, square, unit }: { page: Page; control: L
 /** The fault of the current input, and what its script printed, above the status line. */
 export function Messages({ page }: { page: Page }) {
   const { words, state, control, language } = page;
-  const { bench, fault, notice, shown } = state;
+  const { bench, notice, shown } = state;
+  // What a font still lacks is asked for, and is no mistake.
+  const fault = lacksText(bench) ? null : state.fault;
   return (
     <div class="messages">
       {(fault || isOutdated(state) || isEmpty(state)) && (
