@@ -9,6 +9,7 @@ import {
   type Line,
   type Screen,
   bench,
+  isDrawing,
   isMesh,
   isScript,
   meshLine,
@@ -527,7 +528,8 @@ export class Controller {
       if (isNewest) void this.seek();
       return false;
     }
-    const up = upOf(input.name, certificate.frame);
+    // A drawing lies on the ground, and is raised from there: so it is in the files that are written.
+    const up = isDrawing(input) ? null : upOf(input.name, certificate.frame);
     const read = await readOrUndefined(() => withPictures(partsOf(bytes, certificate.frame)));
     const parts = (read ?? []).map((part) => partToZUp(part, up));
     // Decoding the pictures takes time as well, in which the input may have changed.
