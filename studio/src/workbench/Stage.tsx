@@ -23,6 +23,7 @@ import { besideOf, besides } from "./pictures";
 import type { Box } from "./pixels";
 import { drawSlice } from "./slice";
 import { GridLabels, Sizes, Triad, gridMiddle, groundLayers } from "./stage/ground";
+import { roomFor } from "./stage/framing";
 import { type Look, layersOf } from "./stage/layers";
 import { type Hands, SIDES, SIDE_NAMES, fitted, orbit } from "./stage/orbit";
 import { ALIGNED, type Cut, FIRST, flipped, isKept, normalOf, placeOf, planeOf } from "./stage/section";
@@ -30,6 +31,8 @@ import type { CallSite } from "./trace/shadow";
 import type { Page } from "./words";
 
 const LOOKS: readonly Look[] = ["shaded", "wire", "normals", "culled"];
+/** The height of the tools over the picture, in pixels. */
+const TOOLS_HEIGHT = 44;
 /** Where the first picture's axes are drawn, from the lower left of the part that no panel covers. */
 const TRIAD = 46;
 /** Degrees for a step of the key that turns the section. */
@@ -96,6 +99,8 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
     () => [(covered.left - covered.right) / 2, (covered.top - covered.bottom) / 2] as const,
     [covered.left, covered.right, covered.top, covered.bottom],
   );
+  const room = roomFor(size, { width: size.width - covered.left - covered.right, height: size.height - covered.top - covered.bottom - TOOLS_HEIGHT });
+  useEffect(() => control?.makeRoom(room), [control, room]);
   const centre = [size.width / 2 + shift[0], size.height / 2 + shift[1]] as const;
   const under = (x: number, y: number) => {
     const from = projector(control!.state.view, { ...size, shift });

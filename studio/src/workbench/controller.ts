@@ -528,8 +528,7 @@ export class Controller {
       if (isNewest) void this.seek();
       return false;
     }
-    // A drawing lies on the ground, and is raised from there: so it is in the files that are written.
-    const up = isDrawing(input) ? null : upOf(input.name, certificate.frame);
+    const up = upOf(input.name, certificate.frame);
     const read = await readOrUndefined(() => withPictures(partsOf(bytes, certificate.frame)));
     const parts = (read ?? []).map((part) => partToZUp(part, up));
     // Decoding the pictures takes time as well, in which the input may have changed.
@@ -566,13 +565,22 @@ export class Controller {
     if (isNew && !box) return;
     if (!box) return void (this.framed = { ...this.framed!, up });
     const { view, home } = this.state;
-    const next = framing(box, { view, home, before: isNew ? null : this.framed!.view }, this.dragged);
+    const next = framing(box, { view, home, before: isNew ? null : this.framed!.view, room: this.room }, this.dragged);
     this.framed = { name: current.name, up, view: next.view ?? this.framed!.view };
     this.update(next.view ? { home: next.home, view: next.view } : { home: next.home });
     if (!next.view) return;
     // The pixels were counted from the previous position.
     if (current.budget.by === "px") this.schedule("proof", () => void this.prove());
   }
+
+  /** How much farther away a shape fits into what the panels leave of the picture. It concerns the next time that it is fitted. */
+  makeRoom(room: number): void {
+    if (room === this.room) return;
+    const { home } = this.state;
+    this.update({ home: { ...home, distance: (home.distance * room) / this.room } });
+    this.room = room;
+  }
+  private room = 1;
 
   /** A point of the report in the picture's coordinates, with z up. */
   place(at: Vec3): Vec3 {

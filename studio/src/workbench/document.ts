@@ -51,7 +51,7 @@ const MESH = /\.(glb|gltf|3mf|obj|ply|stl|off|amf|dae)$/i;
 const GRID_OR_FIELD = /\.(star|npy|npz|nrrd|nhdr|nii|nii\.gz|mha|mhd|vti|slc|vm)$/i;
 
 export const isScript = ({ name }: Bench): boolean => SCRIPT.test(name);
-export const isDrawing = ({ name }: Bench): boolean => DRAWING.test(name);
+export const isDrawing = ({ name }: { name: string }): boolean => DRAWING.test(name);
 export const isVolume = ({ name }: Bench): boolean => VOLUME.test(name);
 /** Triangles in a file, as they are. */
 export const isMesh = ({ name }: Bench): boolean => MESH.test(name);

@@ -1,6 +1,7 @@
 // Reads the triangles of a GLB that the command wrote: uncompressed, one buffer. Of materials only colour and texture.
 import type { DecodedPicture, Vec3 } from "../viewer";
 import { fromLinear } from "../viewer/color";
+import { isDrawing } from "./document";
 
 /** The triangles of one node of the file. */
 export interface Part {
@@ -64,7 +65,9 @@ export interface Frame {
 }
 
 /** The axis of a file that is up: glTF's is y if the report names none. */
-export const upOf = (name: string, { up }: Frame): string | null => up ?? (/\.(glb|gltf)$/i.test(name) ? "y" : null);
+export const upOf = (name: string, { up }: Frame): string | null =>
+  // A drawing lies on the ground, and is raised from there: so it is in the files that are written.
+  isDrawing({ name }) ? null : (up ?? (/\.(glb|gltf)$/i.test(name) ? "y" : null));
 
 /** The parts of the scene in the coordinates of the original shape, one for each node with triangles. */
 export function parts(bytes: Uint8Array, frame: Frame): Part[] {

@@ -15,6 +15,8 @@ import { MESH_FORMATS, exportLine, exportMesh } from "../../src/workbench/export
 import { Jobs, Stopped, type WorkerLike } from "../../src/core/jobs";
 import { type Box, awayFrom, distanceOf, fillingDistance, pixelsOf, towards } from "../../src/workbench/pixels";
 import type { Certificate } from "../../src/workbench/report";
+import { roomFor } from "../../src/workbench/stage/framing";
+import { projector } from "../../src/viewer/view";
 import { pack, unpack } from "../../src/workbench/share";
 import { faultOf, madeBy } from "../../src/workbench/outcome";
 import type { LaneName } from "../../src/workbench/state";
@@ -348,6 +350,21 @@ test("a view that was only turned follows the size of the shape, one from near s
   const near = await write("4");
   expect([near.view.distance, near.home.distance / first.home.distance]).toEqual([0.1, expect.closeTo(4, 5)]);
   expect((await write("100")).view.distance / first.view.distance).toBeCloseTo(100, 3);
+});
+
+test("a shape is fitted into what the panels leave, and the view stays while they open", async () => {
+  const [whole, half] = [{ width: 1366, height: 768 }, { width: 600, height: 640 }];
+  expect(roomFor(whole, { width: 1366, height: 768 })).toBe(1);
+  const room = roomFor(whole, half);
+  // From that distance its diagonal is narrower than the part that is free.
+  const diagonal = projector({ azimuth: 0, elevation: 0, distance: room * 2.4, target: [0, 0, 0] }, whole).scale(room * 2.4);
+  expect([room > 1, diagonal < half.width, diagonal > 0.8 * half.width]).toEqual([true, true, true]);
+  const { control, write } = sized();
+  const { view, home } = await write("1");
+  control.makeRoom(room);
+  expect(control.state.view).toBe(view);
+  expect(control.state.home.distance / home.distance).toBeCloseTo(room, 10);
+  expect((await write("2")).view.distance / view.distance).toBeCloseTo(2 * room, 10);
 });
 
 test("mistakes after the first are further ones, and an open bracket is named", () => {

@@ -1,5 +1,6 @@
 // The view of a shape: where the whole of it is seen, and whether the view follows a shape that changed.
-import type { Vec3, View } from "../../viewer";
+import type { Size, Vec3, View } from "../../viewer";
+import { focal } from "../../viewer/view";
 import type { Box } from "../pixels";
 
 export const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
@@ -17,15 +18,27 @@ interface Framed {
   home: View;
   /** The view as it was set last; `null` for another shape. */
   before: View | null;
+  /** The distance for what the panels leave, as a multiple of that for the whole picture. */
+  room: number;
+}
+
+/** Around the shape there are its sizes. */
+const MARGIN = 1.15;
+
+/** How much farther away a shape has to be so that it fits into a part of the picture. */
+export function roomFor(size: Size, free: Size): number {
+  // The box's diagonal from there, in pixels.
+  const diagonal = focal(size) / AWAY;
+  return Math.max(1, (MARGIN * diagonal) / Math.max(Math.min(free.width, free.height), 1));
 }
 
 const isAt = (view: View, place: View): boolean => view.distance === place.distance && view.target.every((x, k) => x === place.target[k]);
 
 /** The view that shows the whole box, and that to take now; without one the view stays. */
-export function framing([low, high]: Box, { view, home: oldHome, before }: Framed, isDragged: boolean): { home: View; view?: View } {
+export function framing([low, high]: Box, { view, home: oldHome, before, room }: Framed, isDragged: boolean): { home: View; view?: View } {
   const diagonal = Math.hypot(...low.map((x, k) => high[k]! - x)) || 1;
   const target = low.map((x, k) => (x + high[k]!) / 2) as unknown as Vec3;
-  const home = { ...HOME, target, distance: AWAY * diagonal };
+  const home = { ...HOME, target, distance: room * AWAY * diagonal };
   const { azimuth, elevation } = before ? view : HOME;
   const next = { ...view, ...home, azimuth, elevation };
   if (!before) return { home, view: next };
