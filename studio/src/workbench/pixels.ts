@@ -16,7 +16,7 @@ export function awayFrom([low, high]: Box, view: View): number {
 
 /** A view of a point from outside the box, on the point's side: from behind, the shape would hide it. */
 export function towards(at: Vec3, view: View, home: View): View {
-  return { ...facing(at, { ...view, distance: home.distance }, home.target), target: at, distance: home.distance / 3 };
+  return { ...facing(at, { ...view, distance: home.distance }, home.target), target: at, distance: home.distance / 4 };
 }
 
 const halfTan = (fovDeg: number): number => Math.tan((fovDeg * Math.PI) / 360);
