@@ -9,7 +9,6 @@ import {
   type Line,
   type Screen,
   bench,
-  isDrawing,
   isMesh,
   isScript,
   meshLine,

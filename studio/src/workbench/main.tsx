@@ -21,6 +21,8 @@ let writtenLink: string | null = null;
 function draw(): void {
   frame = 0;
   shelf.follow(control.state.bench);
+  // What nobody has changed, such as an example, is found where it was.
+  if (control.state.past.length > 0) shelf.note(control.state.bench);
   render(<App language={language} state={control.state} control={control} />, root);
   const { bench, ended, link, running, isWaiting } = control.state;
   // Until a new link is ready the address keeps the old one; a bench that is too large for a link clears it.
@@ -58,7 +60,7 @@ async function begin(): Promise<void> {
   };
   shelf = new Shelf(storage(), redraw);
   // A shared script is shown and not kept, unless it is one of the shelf's, as after a reload.
-  const first = shared ? shelf.known(shared) : (shelf.last() ?? example("bracket"));
+  const first = shared ? shelf.known(shared) : (shelf.last() ?? shelf.unkept() ?? example("bracket"));
   control = new Controller(commandJobs(), first, redraw);
   control.shelf = shelf;
   control.cupboard = new Cupboard(browserDrawer());

@@ -91,7 +91,7 @@ export const PANEL_TEXTS: Record<Language, PanelTexts> = {
     keep: "Keep this script",
     isSaved: "Saved to a file",
     isInBrowser: "Kept in this browser, with changes that no file has",
-    isNotKept: "Not kept: only in this page's address",
+    isNotKept: "Not kept: the next script replaces it",
     inBrowserOnly: "changes that no file has",
     shelfFaults: {
       refused: () => "This browser does not let the page keep anything. Save scripts to files before you leave.",
@@ -172,7 +172,7 @@ export const PANEL_TEXTS: Record<Language, PanelTexts> = {
     keep: "保留这个脚本",
     isSaved: "已存为文件",
     isInBrowser: "保存在本浏览器中；有改动尚未存为文件",
-    isNotKept: "未保留：只存在于本页地址中",
+    isNotKept: "未保留：打开另一个脚本就会被取代",
     inBrowserOnly: "有改动尚未存为文件",
     shelfFaults: {
       refused: () => "浏览器不允许本页保存内容。离开之前请把脚本存为文件。",

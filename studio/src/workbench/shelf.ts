@@ -27,6 +27,8 @@ export interface ShelfState {
 
 /** Where the shelf stands. */
 const KEY = "chordal.shelf";
+/** Where the script is that was changed last and is not on it. */
+const UNKEPT = "chordal.unkept";
 /** The most characters of all scripts. Chosen: half of what browsers give one site, so that other pages have room, too. */
 export const MOST = 2_000_000;
 
@@ -83,6 +85,31 @@ export class Shelf {
     const script = this.state.scripts.find(({ id }) => id === this.state.open);
     return script ? this.benchOf(script) : null;
   }
+
+  /** The script that was changed last and not kept: it is there again if the page is opened without an address. */
+  unkept(): Bench | null {
+    try {
+      const value: unknown = JSON.parse(this.store?.getItem(UNKEPT) ?? "null");
+      if (!isRecord(value) || ![value["name"], value["text"], value["options"]].every((one) => typeof one === "string") || !isRecord(value["set"])) return null;
+      const { name, text, set, budget, options } = value as unknown as Omit<Kept, "id" | "saved">;
+      return { ...bench(name, { [name]: new TextEncoder().encode(text) }), set, budget: { ...BUDGET, ...budget }, options };
+    } catch {
+      return null;
+    }
+  }
+
+  /** Notes a script that was changed and is not kept, in place of the one before. */
+  note(now: Bench): void {
+    if (!isScript(now) || this.noted === now) return;
+    this.noted = now;
+    const { name, set, budget, options } = now;
+    try {
+      this.store?.setItem(UNKEPT, now.kept === undefined ? JSON.stringify({ name, text: textOf(now), set, budget, options }) : "null");
+    } catch {
+      // Then the address alone has it.
+    }
+  }
+  private noted: Bench | null = null;
 
   /** Puts a script on the shelf, under a name of its own. Returns its bench. */
   keep(of: Bench, saved: string | null = null): Bench {

@@ -113,6 +113,22 @@ describe("the shelf", () => {
     expect(await page.locator("[data-shelf=keep]").count()).toBe(1);
   });
 
+  test("is not needed for the script that was changed last, which is there again without an address", async () => {
+    const { page } = await pages.open();
+    await write(page, "box(7, 1, 1)");
+    await settled(page);
+    expect(await page.locator(".shelf-place").textContent()).toContain("the next script replaces it");
+    await page.goto("about:blank");
+    await page.goto(`${site.base}workbench.html`);
+    await page.waitForSelector("html[data-ready]");
+    await expect.poll(() => script(page)).toBe("box(7, 1, 1)");
+    // An address comes before it.
+    await page.goto("about:blank");
+    await page.goto(site.base + (await small("sphere(2)")));
+    await page.waitForSelector("html[data-ready]");
+    await expect.poll(() => script(page)).toBe("sphere(2)");
+  });
+
   test("says so if the browser keeps nothing", async () => {
     const visit = await site.visit(await small(), {
       prepare: (page) => page.addInitScript(() => Object.defineProperty(window, "localStorage", { get: () => { throw new DOMException("no", "SecurityError"); } })),

@@ -83,6 +83,22 @@ describe("a storage", () => {
     long.remove("id1");
     expect(long.state.fault).toBeNull();
   });
+  test("remembers the one script that was changed last without being kept", () => {
+    const store = new Memory();
+    const first = shelf(store);
+    expect(first.unkept()).toBeNull();
+    const changed = { ...of("hook", "box(1, 2, 3)"), set: { r: "2" }, options: "--unit mm" };
+    first.note(changed);
+    first.note(bench("part.stl", { "part.stl": new Uint8Array(3) }));
+    expect(shelf(store).unkept()).toEqual(changed);
+    // Once it is on the shelf it is there.
+    first.note(first.keep(changed));
+    expect(shelf(store).unkept()).toBeNull();
+    for (const text of ["{", "[]", '{"name":7}']) {
+      store.setItem("chordal.unkept", text);
+      expect(shelf(store).unkept(), text).toBeNull();
+    }
+  });
   test("with anything else in it is an empty shelf", () => {
     for (const text of ["", "{", "[]", '{"v":2,"scripts":[]}', '{"v":1,"scripts":[{"id":7}]}']) {
       const store = new Memory();
