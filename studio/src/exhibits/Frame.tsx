@@ -1,4 +1,5 @@
 // The frame of every exhibit: title and claim, figure and handle, the live number, the texts, links to the other stops.
+import { Clauses } from "../view/Clauses";
 import { Figure as Data } from "../view/parts";
 import { LESSON } from "../lesson/where";
 import { Hint } from "../view/Hint";
@@ -48,7 +49,9 @@ export function Frame(props: FrameProps) {
         <p class="kicker">
           {words.part(entry.part)} · {PARTS[entry.part][language]}
         </p>
-        <h1>{entry.claim[language]}</h1>
+        <h1>
+          <Clauses text={entry.claim[language]} />
+        </h1>
         <div class="notes">
           {notes.map((note) => (
             <p class="note" role="alert" key={note}>

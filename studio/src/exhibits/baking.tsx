@@ -207,7 +207,7 @@ function Panel({ page }: { page: Page }) {
         class="bytes"
         viewBox={`0 0 ${WIDE} 62`}
         role="img"
-        aria-label={`${texts.sum}: ${say.fixed(bound ?? 0, 3)}. ${texts.measured}: ${say.fixed(measured, 3)}.`}
+        aria-label={texts.sum + say.marks.colon + say.fixed(bound ?? 0, 3) + say.marks.stop + texts.measured + say.marks.colon + say.fixed(measured, 3)}
       >
         <rect class="positions" x="0" y="4" height="20" width={wide(there ?? 0)} />
         <rect class="indices" x={wide(there ?? 0)} y="4" height="20" width={wide((bound ?? 0) - (there ?? 0))} />

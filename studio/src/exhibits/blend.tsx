@@ -146,7 +146,7 @@ function Figure({ page }: { page: Page }) {
       })}
       <Dot
         name={texts.probe}
-        spoken={`${spoken(state.probe)}. ${liveNumber(page).meaning}`}
+        spoken={`${spoken(state.probe)}${say.marks.stop}${liveNumber(page).meaning}`}
         place={state.probe}
         isStill={isStill}
         move={(change) => set(({ probe }) => ({ probe: change(probe) }))}

@@ -162,7 +162,7 @@ function Figure({ page }: { page: Page }) {
       over={(at) => (
         <Knob
           name={texts.handle}
-          spoken={`${texts.at(say.fixed(x), say.fixed(y))}. ${liveNumber(page).meaning}`}
+          spoken={`${texts.at(say.fixed(x), say.fixed(y))}${say.marks.stop}${liveNumber(page).meaning}`}
           place={[x, y, TOP]}
           at={at}
           isStill={isStill}

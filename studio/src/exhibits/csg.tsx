@@ -160,7 +160,7 @@ function Figure({ page }: { page: Page }) {
       })}
       <Dot
         name={texts.probe}
-        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}. ${liveNumber(page).meaning}`}
+        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}${say.marks.stop}${liveNumber(page).meaning}`}
         place={state.probe}
         isStill={isStill}
         move={(change) => set(({ probe }) => ({ probe: change(probe) }))}

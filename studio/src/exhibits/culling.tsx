@@ -299,7 +299,8 @@ function Panel({ page }: { page: Page }) {
           <dt>{texts.culledShare[state.backs]}</dt>
           <dd>
             <Data name="back-share" value={answer.back_share}>
-              {texts.of(say.whole(answer.back), say.whole(answer.triangles))} ({say.percent(answer.back_share)})
+              {texts.of(say.whole(answer.back), say.whole(answer.triangles))}
+              {say.marks.aside(say.percent(answer.back_share))}
             </Data>
           </dd>
         </div>

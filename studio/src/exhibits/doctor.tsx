@@ -88,10 +88,10 @@ function pictureOf({ state, answer }: Page): Picture {
 }
 
 function Figure({ page }: { page: Page }) {
-  const { state, texts, set, isStill } = page;
+  const { state, say, texts, set, isStill } = page;
   return (
     <Scene
-      name={`${texts.figure}: ${texts.patients[state.patient]}`}
+      name={`${texts.figure}${say.marks.colon}${texts.patients[state.patient]}`}
       help="hint"
       picture={pictureOf(page)}
       view={state.view}
@@ -122,7 +122,7 @@ function Places({ page, finding }: { page: Page; finding: number }) {
   const turn = (k: number) =>
     set(({ view, patient }) => ({ place: first + k, view: facing(middleOf(places[k]!), view, homeOf(patient).target) }));
   return (
-    <div class="places" role="group" aria-label={`${texts.places}: ${texts.defects[defect][1]}`}>
+    <div class="places" role="group" aria-label={`${texts.places}${say.marks.colon}${texts.defects[defect][1]}`}>
       <span>{places.length < count ? texts.firstPlaces(say.whole(places.length)) : texts.places}</span>
       {places.map((_, k) => (
         <button type="button" key={k} aria-label={texts.place(k + 1)} aria-pressed={first + k === state.place} onClick={() => turn(k)}>
@@ -177,7 +177,9 @@ function Panel({ page }: { page: Page }) {
           <ol class="done">
             {answer.done.map(({ cure, changes, moved_at_most }, i) => (
               <li key={i}>
-                {texts.cures[cure]}: {changes.map(([what, n]) => texts.changed(what, say.whole(n))).join(texts.comma)}
+                {texts.cures[cure]}
+                {say.marks.colon}
+                {changes.map(([what, n]) => texts.changed(what, say.whole(n))).join(texts.comma)}
                 {texts.comma}
                 {moved_at_most === 0 ? texts.still : texts.moved(say.number(moved_at_most ?? 0))}
               </li>

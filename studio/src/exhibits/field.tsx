@@ -170,7 +170,7 @@ function Figure({ page }: { page: Page }) {
       {normal && <Arrow probe={probe} value={value} normal={normal} />}
       <Dot
         name={texts.probe}
-        spoken={`${texts.at(say.fixed(probe[0]), say.fixed(probe[1]))}. ${say.fixed(value)}: ${sideOf(page)}`}
+        spoken={`${texts.at(say.fixed(probe[0]), say.fixed(probe[1]))}${say.marks.stop}${say.fixed(value)}${say.marks.colon}${sideOf(page)}`}
         place={probe}
         isStill={isStill}
         move={(change) => set(({ probe }) => ({ probe: change(probe) }))}

@@ -265,10 +265,15 @@ function Panel({ page }: { page: Page }) {
           class="bytes"
           viewBox={`0 0 ${WIDE} 96`}
           role="img"
-          aria-label={`${texts.label.indexed}: ${say.bytes(answer.bytes)}. ${texts.label.unindexed}: ${say.bytes(answer.unindexed_bytes)}.`}
+          aria-label={[
+            [texts.label.indexed, answer.bytes] as const,
+            [texts.label.unindexed, answer.unindexed_bytes] as const,
+          ].map(([label, bytes]) => label + say.marks.colon + say.bytes(bytes)).join(say.marks.stop)}
         >
           <text x="0" y="13" class={state.storage === "indexed" ? "chosen" : ""}>
-            {texts.indexed}: {say.bytes(answer.bytes)}
+            {texts.indexed}
+            {say.marks.colon}
+            {say.bytes(answer.bytes)}
           </text>
           <rect class="positions" x="0" y="20" height="18" width={wide(answer.position_bytes)} />
           <rect
@@ -279,7 +284,9 @@ function Panel({ page }: { page: Page }) {
             width={wide(answer.bytes - answer.position_bytes)}
           />
           <text x="0" y="62" class={state.storage === "unindexed" ? "chosen" : ""}>
-            {texts.unindexed}: {say.bytes(answer.unindexed_bytes)}
+            {texts.unindexed}
+            {say.marks.colon}
+            {say.bytes(answer.unindexed_bytes)}
           </text>
           <rect class="positions" x="0" y="69" height="18" width={WIDE} />
         </svg>

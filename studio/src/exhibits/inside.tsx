@@ -139,7 +139,7 @@ function Figure({ page }: { page: Page }) {
       })}
       <Dot
         name={texts.probe}
-        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}. ${texts.position[answer.position]}`}
+        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}${say.marks.stop}${texts.position[answer.position]}`}
         place={state.probe}
         isStill={isStill}
         move={(change) => set(({ probe }) => ({ probe: change(probe) }))}

@@ -131,7 +131,8 @@ type Page = PageOf<State, Answer, Texts>;
 export function metres(say: Say, length: number): string {
   const [factor, unit] =
     length < 0.01 ? [1000, "mm"] : length < 1 ? [100, "cm"] : length < 1000 ? [1, "m"] : [0.001, "km"];
-  return `${say.number(factor * length)} ${unit}`;
+  // In a Chinese text the unit could stand alone in the next line.
+  return `${say.number(factor * length)}${say.language === "zh" ? "\u00a0" : " "}${unit}`;
 }
 
 /** The position of each model in the figure, and the size of a metre of it. */
@@ -218,7 +219,7 @@ function Figure({ page }: { page: Page }) {
           return (
             <text key={name} class="label" x={px(x)} y={px(y)}>
               {texts[name]}
-              <tspan class="how-far">, {texts.at(metres(say, answer[name].distance))}</tspan>
+              <tspan class="how-far">{say.marks.comma}{texts.at(metres(say, answer[name].distance))}</tspan>
             </text>
           );
         })
@@ -315,7 +316,9 @@ function Panel({ page }: { page: Page }) {
         {(["teapot", "mountain"] as const).map((name) => (
           <div key={name} class={`of-${name}`}>
             <dt>
-              {texts[name]}, {texts.allowed}
+              {texts[name]}
+              {say.marks.comma}
+              {texts.allowed}
             </dt>
             <dd>
               <Data name={`${name}-error`} value={answer[name].error}>

@@ -111,7 +111,7 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
     const { state, answer } = run;
     const page = { state, answer, say: new Say(language), texts: exhibit.texts[language], set, isStill: false, isSmall: false };
     const { label, shown, meaning } = exhibit.number(page);
-    const text = `${label}: ${shown}. ${meaning}`;
+    const text = `${label}${page.say.marks.colon}${shown}${page.say.marks.stop}${meaning}`;
     if (spoken.textContent !== text) spoken.textContent = text;
   }
 

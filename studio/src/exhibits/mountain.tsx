@@ -122,7 +122,8 @@ type Page = PageOf<State, Answer, Texts>;
 function metres(say: Say, length: number): string {
   const [factor, unit] =
     length < 0.01 ? [1000, "mm"] : length < 1 ? [100, "cm"] : length < 1000 ? [1, "m"] : [0.001, "km"];
-  return `${say.number(factor * length)} ${unit}`;
+  // In a Chinese text the unit could stand alone in the next line.
+  return `${say.number(factor * length)}${say.language === "zh" ? "\u00a0" : " "}${unit}`;
 }
 
 function pictureOf({ answer, isStill }: Page): Picture {
@@ -282,7 +283,7 @@ function Panel({ page }: { page: Page }) {
         {NAMES.map((name, i) => (
           <div key={name} class={`of-${name}`}>
             <dt>
-              {texts.name[name]}, {texts.away(metres(say, answer.distances[i]!))}, {texts.allowed}
+              {[texts.name[name], texts.away(metres(say, answer.distances[i]!)), texts.allowed].join(say.marks.comma)}
             </dt>
             <dd>
               <Data name={`${name}-allowed`} value={answer.allowed[i]!}>
@@ -294,7 +295,7 @@ function Panel({ page }: { page: Page }) {
         {NAMES.map((name) => (
           <div key={`${name}-proved`} class={`of-${name}`}>
             <dt>
-              {texts.name[name]}, {texts.proved}
+              {[texts.name[name], texts.proved].join(say.marks.comma)}
             </dt>
             <dd>
               <Data name={`${name}-pixels`} value={answer[name].pixels}>

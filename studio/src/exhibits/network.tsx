@@ -180,7 +180,7 @@ function Figure({ page }: { page: Page }) {
       over={(at) => (
         <Knob
           name={texts.probe}
-          spoken={`${texts.at(x, y, z)}. ${liveNumber(page).meaning}`}
+          spoken={`${texts.at(x, y, z)}${say.marks.stop}${liveNumber(page).meaning}`}
           place={state.probe}
           at={at}
           isStill={isStill}

@@ -282,7 +282,7 @@ function Figure({ page }: { page: Page }) {
       })}
       <Grip
         name={texts.chosenPixel}
-        spoken={`${texts.place(say.whole(state.pixel[0] + 1), say.whole(state.pixel[1] + 1))}: ${answer.chosen.map(({ is_filled }) => (is_filled ? texts.inside : texts.outside)).join(", ")}`}
+        spoken={`${texts.place(say.whole(state.pixel[0] + 1), say.whole(state.pixel[1] + 1))}${say.marks.colon}${answer.chosen.map(({ is_filled }) => (is_filled ? texts.inside : texts.outside)).join(say.marks.comma)}`}
         now={state.pixel[0] + 1}
         low={1}
         high={columns}
@@ -405,7 +405,9 @@ function Panel({ page }: { page: Page }) {
       </dl>
       <div>
         <h3>
-          {texts.chosenPixel}: {texts.place(say.whole(state.pixel[0] + 1), say.whole(state.pixel[1] + 1))}
+          {texts.chosenPixel}
+          {say.marks.colon}
+          {texts.place(say.whole(state.pixel[0] + 1), say.whole(state.pixel[1] + 1))}
         </h3>
         {answer.chosen.map(({ edges, weights }, i) => (
           <dl key={i}>

@@ -1,5 +1,6 @@
 // The six questions at the end. A card turns after the reader has chosen or written an answer, and shows the initial number of
 // its exhibit. Without script each card is a fold.
+import { Clauses } from "../view/Clauses";
 import { Figure as Data } from "../view/parts";
 import culling from "./culling";
 import { type AnyExhibit, type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -128,7 +129,7 @@ function Figure({ page }: { page: Page }) {
           <>
             <Drawing question={question} />
             <b>
-              {i + 1}. {texts.questions[question]}
+              <Clauses text={`${i + 1}. ${texts.questions[question]}`} />
             </b>
           </>
         );

@@ -4,13 +4,21 @@ export const LANGUAGES: readonly Language[] = ["en", "zh"];
 /** The value of `lang` for each language. */
 export const TAGS: Record<Language, string> = { en: "en", zh: "zh-CN" };
 
+/** What stands between words, and between sentences. */
+const MARKS = {
+  en: { comma: ", ", colon: ": ", stop: ". ", gap: " ", aside: (text: string) => ` (${text})` },
+  zh: { comma: "，", colon: "：", stop: "。", gap: "", aside: (text: string) => `（${text}）` },
+} as const;
+
 export class Say {
+  readonly marks: (typeof MARKS)[Language];
   private readonly short: Intl.NumberFormat;
   private readonly grouped: Intl.NumberFormat;
   private readonly share: Intl.NumberFormat;
 
   constructor(readonly language: Language) {
     const tag = TAGS[language];
+    this.marks = MARKS[language];
     this.short = new Intl.NumberFormat(tag, { maximumSignificantDigits: 3, useGrouping: false });
     this.grouped = new Intl.NumberFormat(tag, { maximumFractionDigits: 0 });
     this.share = new Intl.NumberFormat(tag, { style: "percent", maximumFractionDigits: 0 });

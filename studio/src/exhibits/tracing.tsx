@@ -154,7 +154,7 @@ function Figure({ page }: { page: Page }) {
       ))}
       <Dot
         name={texts.aim}
-        spoken={`${place}. ${texts.steps(steps.length)}. ${texts.end[answer.end]}`}
+        spoken={[place, texts.steps(steps.length), texts.end[answer.end]].join(say.marks.stop)}
         place={state.aim}
         isStill={isStill}
         move={(change) => set(({ aim }) => ({ aim: inFrontOf(change(aim), eye) }))}
@@ -221,7 +221,7 @@ function liveNumber(page: Page): LiveNumber {
     value: count,
     shown: String(count),
     label: texts.label,
-    meaning: `${texts.end[answer.end]} ${texts.after(n + 1, say.number(Math.max(answer.steps[n]!.value, 0)))}`,
+    meaning: `${texts.end[answer.end]}${say.marks.gap}${texts.after(n + 1, say.number(Math.max(answer.steps[n]!.value, 0)))}`,
     tone: answer.end === "arrived" ? "good" : "plain",
   };
 }

@@ -174,7 +174,7 @@ function Figure({ page }: { page: Page }) {
       {blend && <Swatch place={state.probe} color={blend.color} />}
       <Dot
         name={texts.probe}
-        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}${blend ? `: ${blend.weights.map((weight) => say.fixed(weight)).join(", ")}` : ""}`}
+        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}${blend ? say.marks.colon + blend.weights.map((weight) => say.fixed(weight)).join(say.marks.comma) : ""}`}
         place={state.probe}
         isStill={isStill}
         move={(change) => set(({ probe }) => ({ probe: change(probe) }))}

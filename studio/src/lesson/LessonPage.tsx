@@ -5,6 +5,7 @@ import type { AnyExhibit } from "../exhibits/exhibit";
 import { Languages, Mark } from "../exhibits/Frame";
 import { fileOf } from "../exhibits/index";
 import { type Language, Say } from "../exhibits/say";
+import { Clauses } from "../view/Clauses";
 import { Themes } from "../view/Themes";
 import { Bench } from "./Bench";
 import type { Facts } from "./facts";
@@ -80,7 +81,9 @@ export function LessonPage(props: LessonProps) {
           return (
             <section id={section.id} key={section.id}>
               <p class="kicker">{kicker}</p>
-              <h2>{title}</h2>
+              <h2>
+                <Clauses text={title} />
+              </h2>
               {lead && <p class="lead">{lead}</p>}
               {blocksOf(section).map((plan) => (
                 <Fragment key={plan.id}>
@@ -97,7 +100,9 @@ export function LessonPage(props: LessonProps) {
           <ol class="turning">
             {QUESTIONS.map((id) => (
               <li key={id} data-card={id}>
-                <h3>{cards[id].ask}</h3>
+                <h3>
+                  <Clauses text={cards[id].ask} />
+                </h3>
                 <div class="front" hidden>
                   <label for={`answer-${id}`}>{words.yourAnswer}</label>
                   <textarea id={`answer-${id}`} rows={3} />
@@ -117,7 +122,9 @@ export function LessonPage(props: LessonProps) {
           </ol>
         </section>
         <section id="ending">
-          <p class="closing">{text.ending.title}</p>
+          <p class="closing">
+            <Clauses text={text.ending.title} />
+          </p>
           <p>{text.ending.text}</p>
           <Station at="ending" />
           <nav class="onwards" aria-label={words.onward}>
@@ -161,7 +168,9 @@ function Hero({ language, text, facts, teapot }: LessonProps) {
   return (
     <div class="hero">
       <div class="hero-text">
-        <h1>{hero.question}</h1>
+        <h1>
+          <Clauses text={hero.question} />
+        </h1>
         <p class="lead">{hero.sentence(facts, say)}</p>
         <div class="begins">
           <a class="begin" href="#question">

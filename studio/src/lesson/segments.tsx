@@ -177,7 +177,7 @@ function Panel({ page }: { page: Page }) {
         {(["evenly", "fewest"] as const).map((how) => (
           <div key={how}>
             <dt>
-              {texts.allowed}, {texts[how]}
+              {[texts.allowed, texts[how]].join(say.marks.comma)}
             </dt>
             <dd>
               <Data name={how} value={answer[how]}>

@@ -3,6 +3,7 @@ import type { Point } from "../core/types";
 import { LESSON } from "../lesson/where";
 import type { Language, View } from "../state/state";
 import { DEFAULTS, withPoint } from "../state/state";
+import { Clauses } from "./Clauses";
 import { Compare } from "./Compare";
 import { Construction } from "./Construction";
 import { Count, Headline, LookAt, Where } from "./Controls";
@@ -32,7 +33,9 @@ export function App({ page, move }: AppProps) {
     <div class={around.isEmbedded ? "page embedded" : "page"}>
       {!around.isEmbedded && <Top page={page} />}
       <main>
-        <h1>{say.text(titleOf(page))}</h1>
+        <h1>
+          <Clauses text={say.text(titleOf(page))} />
+        </h1>
         {around.isStill && (
           <noscript>
             <p class="note">{say.text("static")}</p>
@@ -40,10 +43,10 @@ export function App({ page, move }: AppProps) {
         )}
         <Notes page={page} />
         {shows("curve") && <CurveView page={page} />}
-        {shows("curve") && !around.isEmbedded && <p class="closing">{say.text("closing")}</p>}
+        {shows("curve") && !around.isEmbedded && <p class="closing"><Clauses text={say.text("closing")} /></p>}
         {around.isStill && <h2>{say.text("seam.title")}</h2>}
         {shows("seam") && <SeamView page={page} move={move} />}
-        {shows("seam") && !around.isEmbedded && <p class="closing">{say.text("seam.closing")}</p>}
+        {shows("seam") && !around.isEmbedded && <p class="closing"><Clauses text={say.text("seam.closing")} /></p>}
       </main>
       {!around.isEmbedded && (
         <footer>

@@ -1,5 +1,6 @@
 // Equal steps beside the fewest segments, for the same number of segments: two small figures and a table.
 import type { Spacing } from "../core/types";
+import { Clauses } from "./Clauses";
 import { CurveAndChain } from "./Drawing";
 import { Frame, linePath, px } from "./frame";
 import { Figure } from "./parts";
@@ -14,7 +15,9 @@ export function Compare({ page }: { page: Page }) {
   const goal = say.text("verdict.px", { n: say.number(state.goal) });
   return (
     <>
-      <h2 id="compare-title">{say.text("compare.title")}</h2>
+      <h2 id="compare-title">
+        <Clauses text={say.text("compare.title")} />
+      </h2>
       <p>{say.text("compare.text", { segments: say.segments(state.segments) })}</p>
       <div class="pair">
         {SPACINGS.map((spacing) => (

@@ -1,6 +1,7 @@
 // De Casteljau's construction at a parameter that can be dragged along the curve.
 import type { TargetedPointerEvent } from "preact";
 import type { Point } from "../core/types";
+import { Clauses } from "./Clauses";
 import { follow, pointerIn } from "./Handle";
 import { Frame, cubicPath, linePath, pair, px } from "./frame";
 import { Slider } from "./parts";
@@ -20,7 +21,9 @@ export function Construction({ page }: { page: Page }) {
   });
   return (
     <>
-      <h2 id="construction-title">{say.text("construction.title")}</h2>
+      <h2 id="construction-title">
+        <Clauses text={say.text("construction.title")} />
+      </h2>
       <p>{say.text("construction.text")}</p>
       <div class="construction">
         <svg

@@ -1,6 +1,7 @@
 // The controls of the main figure: the number of segments, their spacing, and which strokes are drawn.
 import type { Spacing } from "../core/types";
 import { type Look, MOST_SEGMENTS, STOPS, stopOf, within } from "../state/state";
+import { Clauses } from "./Clauses";
 import { verdict } from "./Verdicts";
 import { Choice, Figure, Slider } from "./parts";
 import type { Page } from "./page";
@@ -11,10 +12,18 @@ const LOOKS: readonly Look[] = ["both", "chain", "curve"];
 export function Headline({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const chain = answers.study[state.spacing];
-  if (!chain.gap) return <h2 class="headline">{say.text("headline.point")}</h2>;
+  if (!chain.gap) return (
+      <h2 class="headline">
+        <Clauses text={say.text("headline.point")} />
+      </h2>
+    );
   const result = verdict(chain, state.goal);
   const values = { segments: say.segments(chain.segments), px: say.pixels(chain.gap.pixels) };
-  return <h2 class={`headline ${result}`}>{say.text(`headline.${result}`, values)}</h2>;
+  return (
+    <h2 class={`headline ${result}`}>
+      <Clauses text={say.text(`headline.${result}`, values)} />
+    </h2>
+  );
 }
 
 export function Count({ page }: { page: Page }) {

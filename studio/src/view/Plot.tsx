@@ -2,6 +2,7 @@
 import type { TargetedPointerEvent } from "preact";
 import type { Chain, Rung, Spacing } from "../core/types";
 import { GOALS, MOST_SEGMENTS, within } from "../state/state";
+import { Clauses } from "./Clauses";
 import { follow } from "./Handle";
 import { FRACTIONS } from "./Verdicts";
 import { px } from "./frame";
@@ -63,7 +64,9 @@ export function Plot({ page }: { page: Page }) {
   const choose = (segments: number) => page.set({ segments, before: null });
   return (
     <>
-      <h2 id="plot-title">{say.text("plot.title")}</h2>
+      <h2 id="plot-title">
+        <Clauses text={say.text("plot.title")} />
+      </h2>
       <p>{say.text("plot.text")}</p>
       <svg
         class="plot"

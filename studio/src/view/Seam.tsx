@@ -2,6 +2,7 @@
 import type { Cubic, Point, SeamAnswer, Tooth } from "../core/types";
 import type { Key } from "../i18n/en";
 import { type Eight, type State, withPoint } from "../state/state";
+import { Clauses } from "./Clauses";
 import { Polygon } from "./Drawing";
 import { Handle, type Move } from "./Handle";
 import { Numbers } from "./Numbers";
@@ -58,7 +59,9 @@ export function SeamView({ page, move }: { page: Page; move(change: Change, lead
           <SeamDrawing page={page} movePoint={movePoint} />
         </div>
         <div class="side">
-          <h2 class={`headline ${levelOf(page.answers.seam) === "2" ? "smooth" : "seen"}`}>{headline(page)}</h2>
+          <h2 class={`headline ${levelOf(page.answers.seam) === "2" ? "smooth" : "seen"}`}>
+            <Clauses text={headline(page)} />
+          </h2>
           <div class="side" inert={page.around.isStill}>
             <Choice
               class="wishes"

@@ -128,7 +128,7 @@ export function Working({ page, lanes }: { page: Page; lanes: readonly LaneName[
         {progress ? (
           <>
             <Said words={stageIn(language, progress.stage)} /> {say.percent(progress.percent / 100)}
-            {progress.left !== null && `, ${leftIn(page, progress.left)}`}
+            {progress.left !== null && say.marks.comma + leftIn(page, progress.left)}
           </>
         ) : (
           words.waiting

@@ -397,7 +397,7 @@ export function Beside({ page }: { page: Page }) {
       ref={canvas}
       class="field-picture"
       role="img"
-      aria-label={`${words.beside}: ${words.besides[kind]}`}
+      aria-label={words.beside + page.say.marks.colon + words.besides[kind]}
       hidden={isSliced ? !slice : !currentPicture && !(isTraced && isLive)}
       width={720}
       height={480}

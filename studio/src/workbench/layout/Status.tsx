@@ -25,10 +25,10 @@ export function Status({ page, control, square, unit }: { page: Page; control: L
           {shown && bound && (
             <>
               <b>{sizeOf(page, bound)}</b>
-              {isKnown(bound) && `, ${evidenceOf(page, bound)}`}
+              {isKnown(bound) && say.marks.comma + evidenceOf(page, bound)}
             </>
           )}
-          {shown && triangles !== undefined && `${bound ? ", " : ""}${texts.triangles(say.whole(triangles))}`}
+          {shown && triangles !== undefined && `${bound ? say.marks.comma : ""}${texts.triangles(say.whole(triangles))}`}
           {shown && !isOld && !shown.isDraft && touches(shown.certificate) && ` · ${PANEL_TEXTS[language].touchingShort}`}
           {isOutdated(state) && ` · ${texts.older}`}
         </span>
