@@ -50,7 +50,9 @@ export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec
         {byLines(contacts).map(({ lines, places: [first, ...others] }) => (
           <li key={lines?.join()} class="fault">
             <p>
-              {words.touchingSays(spelled(say, first!), lines ? lines.map(String) : null)} {words.touchingCure}
+              {words.touchingSays(spelled(say, first!), lines ? lines.map(String) : null)}
+              {say.marks.gap}
+              {words.touchingCure}
             </p>
             <div class="row tight">
               <button type="button" data-go="contact" onClick={() => go(first!)}>
@@ -67,7 +69,8 @@ export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec
         {n > 0 && (
           <li class="fault">
             <p>
-              {words.edgesSay(say.whole(n))} {!contacts.length && words.touchingCure}
+              {words.edgesSay(say.whole(n))}
+              {!contacts.length && say.marks.gap + words.touchingCure}
             </p>
           </li>
         )}

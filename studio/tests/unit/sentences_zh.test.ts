@@ -127,6 +127,8 @@ describe("a sentence", () => {
     ["hull() needs points of 2 or 3 numbers for 'points', not a list with other values", "hull() 的参数 points 应为每点两个或三个数，而不是含有其他值的列表。"],
     ["sphere() needs 3 numbers for 'center', not 2", "sphere() 的参数 center 应为 3 个数，而不是 2。"],
     ["Parse error: unexpected symbol ':', expected expression", "语法错误：这里应为表达式，而不是符号“:”。"],
+    ["invalid value 'abc' for '--tol <LENGTH>': a length must be finite and greater than 0 (see --help)", "长度的值“abc”不能用：长度须有限且大于 0。"],
+    ["invalid value 'q' for '--up <AXIS>': the axis that is up is y or z (see --help)", "--up <AXIS> 的值“q”不能用：朝上的轴是 y 或 z。"],
     ["Parse error: invalid input `（`", "语法错误：“（”是全角符号，请改用半角的 ( 。"],
     ["part 1: the script's value must be a shape, but it is something else", "part 1：脚本的值必须是形状，现在是别的东西。"],
   ];

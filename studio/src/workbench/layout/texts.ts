@@ -98,7 +98,7 @@ export const LAYOUT_TEXTS: Record<Language, LayoutTexts> = {
     nothing: "还没有形状",
     triangles: (n) => `${n} 个三角形`,
     older: "对应上一个有效输入",
-    noUnit: "单位",
+    noUnit: "无单位",
     square: (size) => `每格 ${size}`,
     help: "帮助",
     hint: "拖动旋转，按住 Shift 拖动平移，滚轮朝指针处缩放，双击设定旋转中心。键盘：方向键旋转，+ 和 − 缩放，Home 复位，1 到 7 为各标准视图，P 切换投影，G 和 D 显示网格线和尺寸，M 测量，C 剖开，Esc 清除。",

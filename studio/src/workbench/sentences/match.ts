@@ -1,7 +1,7 @@
 // Finds the Chinese of a sentence of the command by its English. `{n} edges are open` has the places of its values in braces; the
 // values are kept. What stands at a place is told by its first letter, alone or before a capital, as in `{n}` and `{nMost}`:
 // n is a number, f a name, p the name of a file, w a sentence that is translated, too, k the kind of a value in words, or the value;
-// `{list}` is a list of names, and `{option}` an option of the command. In quotes a place takes any text without them.
+// `{list}` is a list of names, and `{option}` an option of the command, or what the page calls it. In quotes a place takes any text without them.
 // Any other place takes any text.
 
 export type Table = Readonly<Record<string, string>>;
@@ -31,7 +31,7 @@ function patternOf(english: string, chinese: string): Pattern {
 
 /** A kind, apart from the characters around it if it is no Chinese there, as in `应为 2 个数`. */
 function spaced(chinese: string, at: number, place: string, value: string): string {
-  if (letterOf(place) !== "k") return value;
+  if (!["k", "o"].includes(letterOf(place))) return value;
   const [before, after] = [chinese[at - 1] ?? "", chinese[at + place.length + 2] ?? ""];
   const isApart = (ours: string, theirs: string) => /[!-~]/.test(ours) && /\p{Script=Han}/u.test(theirs);
   return `${isApart(value[0]!, before) ? " " : ""}${value}${isApart(value.at(-1)!, after) ? " " : ""}`;
@@ -52,7 +52,7 @@ export function translator(sentences: Table, kinds: Table): (english: string) =>
     const letter = letterOf(place);
     if (letter === "w") return within(compiled!.sentences, value);
     if (letter === "l") return value.replace(/ (and|or) /g, (_, word) => (word === "and" ? " 和 " : " 或 ")).replaceAll(", ", "、");
-    return letter === "k" ? (within(compiled!.kinds, value) ?? value) : value;
+    return letter === "k" || letter === "o" ? (within(compiled!.kinds, value) ?? value) : value;
   };
   return (english) => {
     compiled ??= { sentences: compile(sentences), kinds: compile(kinds) };
