@@ -1,6 +1,8 @@
 // Says that a file was opened as the script it carries, and whether its claims were proved again from it.
 import { Working } from "./Certificate";
+import { faultIn } from "./command_zh";
 import { PANEL_TEXTS } from "./panel_texts";
+import { Said } from "./Said";
 import type { Page } from "./words";
 
 export function CarriedNote({ page }: { page: Page }) {
@@ -15,7 +17,12 @@ export function CarriedNote({ page }: { page: Page }) {
       <p>
         {words.carried(file.name, carried.script.name)}{" "}
         {isRunning ? words.carriedRunning : verdict ? words.carriedVerdicts[verdict] : words.carriedUnknown}
-        {!isRunning && reason && <span lang="en"> {reason}</span>}
+        {!isRunning && reason && (
+          <>
+            {" "}
+            <Said words={faultIn(language, { text: reason })} />
+          </>
+        )}
       </p>
       <Working page={page} lanes={["verify"]} />
       <div class="row tight">

@@ -10,7 +10,8 @@ export const FaultSaid = ({ fault, language }: { fault: Fault; language: Languag
   const said = faultIn(language, fault);
   return (
     <>
-      {said.lead} <Said words={said} />
+      {said.lead && `${said.lead} `}
+      <Said words={said} />
       {fault.openedIn !== undefined && ` ${TEXTS[language].openedIn(fault.openedIn)}`}
     </>
   );

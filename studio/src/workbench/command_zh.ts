@@ -165,7 +165,9 @@ export function faultIn(language: Language, { text, code }: { text: string; code
   if (chinese !== undefined) return { text: chinese };
   // The codes of a GLB are those of Khronos' validator, in capitals.
   const lead = code === undefined ? undefined : ERRORS[/^[A-Z_]+$/.test(code) ? "glb" : code];
-  return { ...(lead === undefined ? {} : { lead }), text, lang: "en" };
+  // What a script says itself may be Chinese.
+  const lang = /\p{Script=Han}/u.test(text) ? {} : ({ lang: "en" } as const);
+  return { ...(lead === undefined ? {} : { lead }), text, ...lang };
 }
 
 /** The name of a finding, which follows its number. */

@@ -75,15 +75,23 @@ test("findings are in the page's language, and English texts are marked", async 
     return copy.textContent!.replace(/`[^`]*`/g, "");
   });
   expect(unmarked).not.toMatch(/[A-Za-z]{2,}/);
-  await picker.setInputFiles({ name: "a.stl", mimeType: "model/stl", buffer: Buffer.from("solid nothing") });
+  // A sentence that has no translation, after what its code says.
+  await picker.setInputFiles({ name: "a.npy", mimeType: "application/octet-stream", buffer: Buffer.from("nothing") });
   const fault = page.locator("p.fault [lang=en]");
   await expect.poll(() => fault.textContent()).toMatch(/\w{4,}/);
-  expect(await page.locator("p.fault b").textContent()).toBe("错误：");
+  expect(await page.locator("p.fault").textContent()).toContain("错误： 文件开头的标记不对。");
 });
 
-test("a mistake in a script is reported in English, and marked so, also in the editor", async () => {
+test("a mistake in a script is reported in the page's language, also in the editor", async () => {
   const { page } = await pages.open(await small("sphere(1)", ".zh"));
   await write(page, "box(1, 2");
-  await expect.poll(() => page.locator(".cm-problemText[lang=en]").textContent()).toMatch(/\w{4,}/);
-  expect(await page.locator("p.fault").textContent()).toContain("第 1 行：");
+  await expect.poll(() => page.locator(".cm-problemText").first().textContent()).toContain("语法错误：这里应为符号“)”");
+  expect(await page.locator("p.fault").textContent()).toContain("第 1 行： 语法错误：");
+  expect(await page.locator(".cm-problemText[lang], p.fault [lang]").count()).toBe(0);
+  // The script's own words stay as they are, in their language.
+  await write(page, 'fail("it hums")');
+  await expect.poll(() => page.locator(".cm-problemText[lang=en]").first().textContent()).toBe("it hums");
+  await write(page, 'fail("太薄")');
+  await expect.poll(() => page.locator(".cm-problemText").first().textContent()).toBe("太薄");
+  expect(await page.locator(".cm-problemText[lang]").count()).toBe(0);
 });

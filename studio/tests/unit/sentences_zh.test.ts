@@ -46,7 +46,7 @@ const PARTS = [
   "{} is {}, and must be {}",
   "{}, and must be at most {}",
 ];
-/** Texts that are in no sentence about a mistake: operators and code, help on functions, and an assumption of a proof. */
+/** Texts that are in no sentence about a mistake: operators and code, help on functions, an assumption of a proof, names. */
 const OTHER = [
   "not in",
   "= ({}) {} (",
@@ -54,6 +54,14 @@ const OTHER = [
   "lower bound",
   "outside as for the given shape, inside a lower bound",
   "a displacement takes off no more than its amplitude, {}",
+  "levels/in the file {}",
+  // Kinds of shapes, by which a judge is chosen.
+  "signed distance",
+  "input triangles",
+  "bezier patches",
+  "nurbs surfaces",
+  "trilinear interpolant",
+  "limit surface",
 ];
 
 /** The texts of some files that are in no sentence with a translation. */
@@ -87,6 +95,10 @@ describe("every sentence", () => {
     const names = files.flatMap((path) => [...readFileSync(PROJECT + path, "utf8").split("#[cfg(test)]")[0]!.matchAll(/"(an? [a-z' ]+)"/g)].map(([, name]) => name!));
     expect(names.length).toBeGreaterThan(50);
     expect([...new Set(names)].filter((name) => !(name in KINDS_ZH) && !(name in SENTENCES_ZH) && !name.startsWith("a finite number"))).toEqual([]);
+  });
+
+  test("about a claim that was not proved again has a translation", () => {
+    expect(unknownIn(["crates/chordal-verbs/src/verify"])).toEqual([]);
   });
 
   test("about a field that has no mesh has a translation", () => {
@@ -139,6 +151,7 @@ describe("a sentence", () => {
     expect(chineseOf("spline() cannot make a path: it hums")).toBeUndefined();
     expect(faultIn("zh", { text: "it hums", code: "not-stl" })).toEqual({ lead: "这不是 STL 文件。", text: "it hums", lang: "en" });
     expect(faultIn("zh", { text: "it hums" })).toEqual({ text: "it hums", lang: "en" });
+    expect(faultIn("zh", { text: "太薄", code: "script-error" })).toEqual({ lead: "脚本运行出错。", text: "太薄" });
     expect(faultIn("zh", { text: "cancelled", code: "cancelled" })).toEqual({ text: "已取消。" });
     expect(faultIn("en", { text: "it hums", code: "not-stl" })).toEqual({ text: "it hums" });
   });

@@ -3,8 +3,9 @@ import { JOB_SENTENCES } from "./jobs_zh";
 import { translator } from "./match";
 import { KINDS, NOTES, SCRIPT_SENTENCES } from "./script_zh";
 import { QUANTITIES, SHAPE_SENTENCES } from "./shapes_zh";
+import { VERIFY_SENTENCES } from "./verify_zh";
 
-export const SENTENCES_ZH = { ...SCRIPT_SENTENCES, ...SHAPE_SENTENCES, ...JOB_SENTENCES };
+export const SENTENCES_ZH = { ...SCRIPT_SENTENCES, ...SHAPE_SENTENCES, ...JOB_SENTENCES, ...VERIFY_SENTENCES };
 export const KINDS_ZH = { ...KINDS, ...QUANTITIES };
 
 /** The Chinese of a sentence, or nothing if it is not known. */

@@ -51,6 +51,8 @@ export const KINDS: Table = {
   "--px <PIXELS>": "像素",
   "--triangles <N>": "三角形数",
   "--cells <N>": "单元数",
+  // A step of a certificate's history.
+  "{verb} from {input} to {output}": "{verb}（{input} → {output}）",
   // How large an error is.
   "between {n} and {nMost} ({kEvidence})": "误差在 {n} 与 {nMost} 之间（{kEvidence}）",
   "at least {n} ({kEvidence})": "误差至少 {n}（{kEvidence}）",
