@@ -3,10 +3,10 @@ import { useRef } from "preact/hooks";
 import { Choice, Slider } from "../view/parts";
 import { Asks } from "./Asks";
 import { CarriedNote } from "./Carried";
+import { lineIn } from "./command_zh";
 import { type Bench, type BudgetKind, isScript, viewText } from "./document";
 import { LAYOUT_TEXTS } from "./layout/texts";
 import { Script } from "./Script";
-import { noteOf } from "./sentences";
 import { ShelfBar } from "./Shelf";
 import { TextField } from "./TextField";
 import type { Page } from "./words";
@@ -78,7 +78,7 @@ function Printed({ page }: { page: Page }) {
   const texts = LAYOUT_TEXTS[language];
   return (
     <pre class="said" tabIndex={0} aria-label={texts.said}>
-      {said.map(({ message }) => (language === "zh" && noteOf(message)) || message).join("\n")}
+      {said.map(({ message }) => lineIn(language, message)).join("\n")}
     </pre>
   );
 }

@@ -2,7 +2,6 @@
 // gives for each. A sentence whose code has no translation stays English.
 import { cureTexts } from "../core/cures";
 import { ERRORS } from "./errors_zh";
-import { chineseOf } from "./sentences";
 import type { Language } from "./texts";
 
 /** A text, with its language if that is not the page's. */
@@ -154,6 +153,12 @@ export function assumptionIn(language: Language, english: string): Spoken {
   return spoken(language, english, undefined);
 }
 
+/** The sentences about mistakes are many, and loaded for Chinese readers alone. */
+let sentences: typeof import("./sentences") | undefined;
+export const loadSentences = async (): Promise<void> => {
+  sentences = await import("./sentences");
+};
+
 /** An error. A sentence that has no translation stays English, after what its code says in Chinese. */
 export interface Failed extends Spoken {
   lead?: string;
@@ -161,7 +166,7 @@ export interface Failed extends Spoken {
 
 export function faultIn(language: Language, { text, code }: { text: string; code?: string | undefined }): Failed {
   if (language === "en") return { text };
-  const chinese = chineseOf(text);
+  const chinese = sentences?.chineseOf(text);
   if (chinese !== undefined) return { text: chinese };
   // The codes of a GLB are those of Khronos' validator, in capitals.
   const lead = code === undefined ? undefined : ERRORS[/^[A-Z_]+$/.test(code) ? "glb" : code];
@@ -169,6 +174,9 @@ export function faultIn(language: Language, { text, code }: { text: string; code
   const lang = /\p{Script=Han}/u.test(text) ? {} : ({ lang: "en" } as const);
   return { ...(lead === undefined ? {} : { lead }), text, ...lang };
 }
+
+/** A line that a script printed, or that a function added to them. */
+export const lineIn = (language: Language, line: string): string => (language === "zh" ? sentences?.noteOf(line) : undefined) ?? line;
 
 /** The name of a finding, which follows its number. */
 export const nameIn = (language: Language, { of, words }: { of: string; words: string }): Spoken =>

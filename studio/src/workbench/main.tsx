@@ -3,6 +3,7 @@ import { render } from "preact";
 import { commandJobs } from "../core/command_module";
 import { keptShape } from "../core/kept_shape";
 import { App } from "./App";
+import { loadSentences } from "./command_zh";
 import { Controller } from "./controller";
 import { Cupboard, browserDrawer } from "./cupboard";
 import { example } from "./examples";
@@ -52,9 +53,12 @@ async function filesOfAddress(): Promise<File[]> {
 }
 
 async function begin(): Promise<void> {
+  // Without them errors stay English.
+  const sentences = language === "zh" ? loadSentences().catch(() => undefined) : undefined;
   const encoded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
   const shared = encoded ? await unpack(encoded) : null;
   const opened = await filesOfAddress();
+  await sentences;
   const redraw = () => {
     frame ||= requestAnimationFrame(draw);
   };

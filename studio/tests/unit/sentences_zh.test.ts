@@ -1,10 +1,12 @@
 // The command's sentences about mistakes have a Chinese form: those that its source makes, as the page shows them.
 import { readFileSync, readdirSync, statSync } from "node:fs";
-import { describe, expect, test } from "vitest";
-import { faultIn } from "../../src/workbench/command_zh";
+import { beforeAll, describe, expect, test } from "vitest";
+import { faultIn, lineIn, loadSentences } from "../../src/workbench/command_zh";
 import { KINDS_ZH, SENTENCES_ZH, chineseOf, noteOf } from "../../src/workbench/sentences";
 import { NOTES } from "../../src/workbench/sentences/script_zh";
 import { translator } from "../../src/workbench/sentences/match";
+
+beforeAll(loadSentences);
 
 const PROJECT = new URL("../../../", import.meta.url).pathname;
 
@@ -125,6 +127,8 @@ test("every form of a sentence in parts is in the tables", () => {
   }
 });
 
+const chineseNote = "polygon()：路径化为折线，相距不超过 1e-3（已证明）。";
+
 describe("a sentence", () => {
   const said: [english: string, chinese: string][] = [
     ["Variable `spere` not found, did you mean `sphere`?", "没有名为 `spere` 的变量或函数，是不是 `sphere`？"],
@@ -159,6 +163,8 @@ describe("a sentence", () => {
   test("of a function among the lines of a script is known, and others are not", () => {
     expect(noteOf("fit(): the path is within 1.000e-2 of every point (proved)")).toBe("fit()：路径与每个点相距不超过 1.000e-2（已证明）。");
     expect(noteOf("width 3")).toBeUndefined();
+    const note = "polygon(): its path is replaced by straight lines within 1e-3 (proved)";
+    expect([lineIn("zh", note), lineIn("zh", "width 3"), lineIn("en", note)]).toEqual([chineseNote, "width 3", note]);
   });
 
   test("is found by its most specific form", () => {

@@ -15,6 +15,7 @@ import {
   cureIn,
   faultIn,
   joining,
+  loadSentences,
   meaningIn,
   nameIn,
   stageIn,
@@ -151,6 +152,7 @@ const WRONG = [
 ];
 
 test("faults of scripts are completely in Chinese", async () => {
+  await loadSentences();
   const module = await WebAssembly.compile(readFileSync(new URL("../../wasm/command.wasm", import.meta.url)));
   const english: string[] = [];
   for (const script of WRONG) {
