@@ -1,4 +1,5 @@
-// What each code of an error of the command says, in Chinese. The command's own sentence, with its values, follows in English.
+// What each code of an error of the command says, in Chinese, for sentences that have no translation of their own: the English
+// one, with its values, follows.
 // Long because it is a table: a row for every code that a report can have.
 
 export const ERRORS: Readonly<Record<string, string>> = {
