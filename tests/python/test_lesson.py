@@ -39,10 +39,10 @@ def test_does_what_the_text_says(run: Callable[[str], tuple[dict[str, Any], str]
     weights, value = run("blend")[0]["blend"]([(0, 0), (1, 0), (0, 1)], [0, 4, 8], (0.25, 0.25))
     assert sum(weights) == pytest.approx(1) and value == pytest.approx(3)
     assert list(run("normal")[0]["normal"]((0, 0, 0), (2, 0, 0), (0, 2, 0))) == [0, 0, 1]
-    is_manifold = run("check")[0]["is_manifold"]
+    has_inside = run("check")[0]["has_inside"]
     tetrahedron = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
-    assert is_manifold(tetrahedron) and not is_manifold(tetrahedron[1:])
-    assert not is_manifold([(0, 1, 2), *tetrahedron[1:]])
+    assert has_inside(tetrahedron) and not has_inside(tetrahedron[1:])
+    assert not has_inside([(0, 1, 2), *tetrahedron[1:]])
     assert run("casteljau")[0]["casteljau"]([(0, 0), (0, 4), (4, 4), (4, 0)], 0.5) == [2, 3]
     ball = run("field")[0]["ball"]
     distance, _ = run("trace")[0]["trace"](lambda p: float(ball([p])[0]), (-3, 0.5, 0), (1, 0, 0))

@@ -55,7 +55,7 @@ export const EN: LessonText = {
     question: "How many triangles does a teapot need?",
     sentence: (facts, say) => (
       <>
-        {say.whole(facts.hero[0]!.triangles)} on the desk in front of you, {say.whole(facts.hero.at(-2)!.triangles)} across the yard, and you cannot tell the
+        {say.whole(facts.hero[0]!.triangles)} on the desk in front of you, {say.whole(facts.rest)} across the yard, and you cannot tell the
         difference. This page shows why, with one teapot from its first control point to its last pixel.
       </>
     ),
@@ -96,7 +96,7 @@ export const EN: LessonText = {
       ),
       after: (
         <p>
-          Lift it to <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="Height of corner D" />, and the middles of the
+          Drag this number: with D at <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="Height of corner D" />, and the middles of the
           two diagonals part by half of that. Authors model with quads all the same, which are good to work with, and on the way to the screen the pipeline
           quietly cuts each one in two.
         </p>
@@ -135,9 +135,8 @@ export const EN: LessonText = {
       text: (
         <>
           <p>
-            Divide the three edge functions by their sum, which is twice the whole area, and you have three <Term id="barycentric">barycentric</Term> weights that
-            sum to one; each belongs to the corner opposite its edge. Whatever is stored at the corners, a colour, a normal, a place in a texture, is blended by them,
-            in one way only:
+            Divide the three edge functions by their sum, twice the whole area, and you have three <Term id="barycentric">barycentric</Term> weights that sum to one,
+            each for the corner opposite its edge. What is stored at the corners, a colour, a normal, a place in a texture, is blended by them, in one way only:
           </p>
           <Formula>
             p = w₀a + w₁b + w₂c,&ensp; w₀ + w₁ + w₂ = 1
@@ -225,7 +224,7 @@ export const EN: LessonText = {
         <>
           <p>
             Seen from the front, the corners of a triangle run counter-clockwise: its <Term id="winding">winding</Term>. Of a closed shape you see only fronts, so{" "}
-            <Term id="culling">culling</Term> skips every triangle that shows its back, about half of them or more, before any pixel is touched.
+            <Term id="culling">culling</Term> skips every triangle that shows its back, half of them or more, before any pixel is touched.
           </p>
           <p>
             Three triangles of this ball are wound the wrong way. Drawn from both sides and unlit the ball would look perfect; culled, it has three holes.{" "}
@@ -401,7 +400,7 @@ export const EN: LessonText = {
       text: (
         <p>
           Union is min(a, b), intersection max(a, b), and subtraction max(a, −b). That is <Term id="csg">constructive solid geometry</Term>: a hole through a block in one
-          line, and every sign is right. The value is no longer a distance everywhere, though; it is only a bound from below, so rays still never step too far.
+          line, and every sign is right. The value is no longer a distance everywhere, only a bound from below, so rays still never step too far.
         </p>
       ),
     },
@@ -438,7 +437,7 @@ export const EN: LessonText = {
       text: (
         <p>
           In space a cell has eight corners, and 256 ways to be in or out. Go through all cells, and a surface appears that is closed by construction, if neighbours
-          read the face that they share in the same way; the first published table, of 1987, did not always.
+          read the face that they share in the same way.
         </p>
       ),
     },
@@ -446,8 +445,8 @@ export const EN: LessonText = {
       title: "A rule that was learned",
       text: (
         <p>
-          The rule need not be written by hand. In 3-D vision a small network is trained to say of any point whether it is <Term id="occupancy">occupied</Term>, from
-          photographs or scans. To see what it has learned, one marches cubes over it.
+          The rule need not be written by hand. In 3-D vision a network is trained, from photographs or scans, to say of any point whether it is{" "}
+          <Term id="occupancy">occupied</Term>; to see what it has learned, one marches cubes over it.
         </p>
       ),
     },

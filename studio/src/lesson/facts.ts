@@ -1,12 +1,14 @@
 // The numbers in the lesson's text: computed by the core when the page is built, for the states that its figures open with.
 import { STOPS as DISTANCES } from "../exhibits/levels";
 import { loaded } from "./figures";
-import { widthAt } from "./Hero";
+import { DISTANCES as HERO_DISTANCES, levelAt, REST, widthAt } from "./Hero";
 import { BLOCKS } from "./outline";
 import { levelsOf, type TeapotLevel } from "./teapot_levels";
 
 export interface Facts {
   hero: readonly TeapotLevel[];
+  /** Triangles of the first picture where its play comes to rest. */
+  rest: number;
   indexed: { triangles: number; vertices: number; triangles_per_vertex: number; bytes: number; unindexed_bytes: number; times: number };
   /** Vertices of a cube with hard edges, and with none. */
   cube: { hard: number; soft: number };
@@ -75,9 +77,11 @@ export async function factsOf(ask: Ask): Promise<Facts> {
     const { teapot, mountain } = await answerOf(ask, "levels", { stop });
     return { teapot: teapot.triangles, mountain: mountain.triangles };
   };
+  const hero = levelsOf(ask);
   const fan = tracing.fan.map(([, steps]: [number, number]) => steps);
   return {
-    hero: levelsOf(ask),
+    hero,
+    rest: levelAt(hero, HERO_DISTANCES[REST]!).triangles,
     indexed,
     cube: { hard: await cube(60), soft: await cube(180) },
     culling,

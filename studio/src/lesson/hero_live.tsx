@@ -2,14 +2,12 @@
 import { render } from "preact";
 import type { Language } from "../exhibits/say";
 import type { Size } from "../viewer";
-import { HeroBench, type HeroState, START, STILL_STEP } from "./Hero";
+import { HeroBench, type HeroState, REST, START, STILL_STEP } from "./Hero";
 import type { Words } from "./lesson";
 import { unpacked } from "./teapot_levels";
 
 /** The way back takes this long. Chosen: the page answers its own question within ten seconds. */
 const PLAY_MS = 7500;
-/** Where it comes to rest: small, and still a teapot. */
-const REST = 27;
 
 export async function heroLive(element: HTMLElement, language: Language): Promise<void> {
   const response = await fetch(element.dataset["hero"]!);

@@ -53,7 +53,7 @@ export const ZH: LessonText = {
     question: "画一个茶壶，要多少个三角形？",
     sentence: (facts, say) => (
       <>
-        摆在面前，{say.whole(facts.hero[0]!.triangles)} 个；放到院子对面，{say.whole(facts.hero.at(-2)!.triangles)} 个就够，你看不出差别。为什么？跟着一个茶壶，从它的第一个控制点看到最后一个像素。
+        摆在面前，{say.whole(facts.hero[0]!.triangles)} 个；放到院子对面，{say.whole(facts.rest)} 个就够，你看不出差别。为什么？跟着一个茶壶，从它的第一个控制点看到最后一个像素。
       </>
     ),
   },
@@ -88,7 +88,7 @@ export const ZH: LessonText = {
       ),
       after: (
         <p>
-          把它抬到 <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="D 的高度" />
+          拖动这个数：D 抬到 <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="D 的高度" />
           ，两条对角线的中点便隔开这个高度的一半。文件里只存了四个顶点，并没有存下作者想要的是哪一张面。四边形好摆弄，所以造型时照用不误；送上屏幕之前，渲染管线再悄悄把它们一分为二。
         </p>
       ),
@@ -378,7 +378,7 @@ export const ZH: LessonText = {
     },
     cubes: {
       title: "一个单元一个单元，整张曲面",
-      text: <p>到了空间里，一个单元八个顶点，内外共有 256 种情形。单元逐个走完，一张曲面就出来了，而且天生封闭，只要相邻的单元对公共的面读法一致；1987 年最早发表的那张表，还没有完全做到。</p>,
+      text: <p>到了空间里，一个单元八个顶点，内外共有 256 种情形。单元逐个走完，一张曲面就出来了，而且天生封闭，只要相邻的单元对公共的面读法一致。</p>,
     },
     network: {
       title: "学出来的规则",

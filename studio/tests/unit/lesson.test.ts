@@ -155,9 +155,9 @@ describe("code", () => {
     expect(value).toBeCloseTo(3);
     expect(run("buffers", "bytes")).toBe(60);
     expect(run<(...v: three.Vector3[]) => three.Vector3>("normal", "normal")(corner(0, 0), corner(2, 0), corner(0, 2)).toArray()).toEqual([0, 0, 1]);
-    const isManifold = run<(faces: P[]) => boolean>("check", "isManifold");
+    const hasInside = run<(faces: P[]) => boolean>("check", "hasInside");
     const tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    expect([isManifold(tetrahedron), isManifold(tetrahedron.slice(1)), isManifold([[0, 1, 2], ...tetrahedron.slice(1)])]).toEqual([true, false, false]);
+    expect([hasInside(tetrahedron), hasInside(tetrahedron.slice(1)), hasInside([[0, 1, 2], ...tetrahedron.slice(1)])]).toEqual([true, false, false]);
     expect(run<(points: P[], t: number) => P>("casteljau", "casteljau")([[0, 0], [0, 4], [4, 4], [4, 0]], 0.5)).toEqual([2, 3]);
     const gap = run<(n: number) => number>("segments", "gap");
     expect(gap(16) / gap(32)).toBeGreaterThan(3.5);

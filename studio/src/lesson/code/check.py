@@ -1,5 +1,5 @@
 from collections import Counter
 
-def is_manifold(faces):
+def has_inside(faces):
     edges = Counter(e for a, b, c in faces for e in ((a, b), (b, c), (c, a)))
     return all(n == 1 and (b, a) in edges for (a, b), n in edges.items())
