@@ -8,6 +8,7 @@ import { type Language, Say } from "../exhibits/say";
 import { Clauses } from "../view/Clauses";
 import { Themes } from "../view/Themes";
 import { Bench } from "./Bench";
+import { TwoAnswers } from "./TwoAnswers";
 import type { Facts } from "./facts";
 import { hasPage } from "./figures";
 import { DISTANCES, HeroBench, levelAt, START, STILL_STEP } from "./Hero";
@@ -222,13 +223,14 @@ type BlockProps = LessonProps & { plan: BlockPlan; block: BlockText; guess: Gues
 function Block(props: BlockProps) {
   const { plan, block, guess, text, facts, code, language } = props;
   return (
-    <article class={`block${plan.figure ? " with-figure" : ""}${plan.table ? " with-table" : ""}`} id={`block-${plan.id}`}>
+    <article class={`block${plan.figure ? " with-figure" : ""}${plan.table || plan.twoAnswers ? " with-table" : ""}`} id={`block-${plan.id}`}>
       <div class="words">
         <h3>{block.title}</h3>
         {block.text}
         {plan.guess && guess && <Guess id={plan.id} plan={plan.guess} guess={guess} facts={facts} words={text.words} />}
         {block.after && <div class="after">{block.after}</div>}
       </div>
+      {plan.twoAnswers && <TwoAnswers points={text.words.asPoints} rule={text.words.asRule} />}
       {plan.table && text.table(facts, new Say(language))}
       {plan.figure && <PlacedFigure {...props} figure={plan.figure} />}
       {plan.code && <Code name={plan.code} code={code} words={text.words} />}

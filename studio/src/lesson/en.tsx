@@ -27,6 +27,8 @@ export const EN: LessonText = {
     spokenAt: (distance, triangles) => `${distance}, ${triangles} triangles`,
     all: (triangles) => `compare with ${triangles}`,
     heroPicture: "A teapot twice: as it is seen from afar, and the triangles that this takes, enlarged",
+    asPoints: "A list: eight points, each joined to the next",
+    asRule: "A rule: negative is inside",
     again: "Play again",
     ownPage: "This figure on its own page, with more to try",
     guess: "Guess first.",
@@ -334,7 +336,6 @@ export const EN: LessonText = {
       text: (
         <p>
           Move one corner of a cage, and the surface follows: most beside it, here by three eighths, and not at all beyond two rings of faces, which on a cube are all.
-          A few hundred points, each with one clear effect: so artists think in cages.
         </p>
       ),
     },
@@ -524,7 +525,7 @@ export const EN: LessonText = {
           A level need not be even. Triangles should crowd where the surface bends, near the camera, and along the <Term id="silhouette">silhouette</Term>, where straight
           edges show against the background; flat and far parts need few. Along the outline every chord is within the budget, here{" "}
           <Handle figure="adaptive" field="stop" value={4} low={0} high={6} name="Budget" shown={BUDGETS.map((px) => `${say.number(px)} px`)} />; a face that looks at you
-          is off along the line of sight, and may be off by more.
+          may be off by more, along the line of sight.
         </p>
       ),
     },
@@ -743,7 +744,7 @@ export const EN: LessonText = {
   },
   questions: {
     title: "Six questions",
-    lead: "Write an answer in your own words, then turn the card. There is a number behind each, and a figure to check it.",
+    lead: "Answer in your own words, then turn the card: behind each are a number, and a figure to check it.",
     cards: (facts, say) => ({
       triangles: {
         ask: "Why triangles?",

@@ -48,6 +48,9 @@ export interface Words {
   spokenAt(distance: string, triangles: string): string;
   all(triangles: string): string;
   heroPicture: string;
+  /** Below the stills of the two answers. */
+  asPoints: string;
+  asRule: string;
   again: string;
   ownPage: string;
   guess: string;

@@ -18,6 +18,8 @@ export interface BlockPlan {
   guess?: GuessPlan;
   /** A file's name in code/, without its ending. */
   code?: string;
+  /** A still of both answers stands here. */
+  twoAnswers?: true;
   /** The table of the two answers stands here. */
   table?: true;
 }
@@ -33,7 +35,7 @@ export const OWN_FIGURES = ["segments"] as const;
 export const SECTIONS = [
   {
     id: "question",
-    blocks: [{ id: "two" }],
+    blocks: [{ id: "two", twoAnswers: true }],
   },
   {
     id: "atom",

@@ -26,6 +26,8 @@ export const ZH: LessonText = {
     spokenAt: (distance, triangles) => `${distance}，${triangles} 个三角形`,
     all: (triangles) => `与 ${triangles} 个的相比`,
     heroPicture: "同一个茶壶画两次：远看的样子，和放大后的三角形",
+    asPoints: "清单：八个点，各与下一个相连",
+    asRule: "规则：负的在里面",
     again: "再放一遍",
     ownPage: "这幅图自己的页面，可试的更多",
     guess: "先猜一猜。",
@@ -298,7 +300,7 @@ export const ZH: LessonText = {
     },
     pull: {
       title: "拉一拉控制网格",
-      text: <p>拖动控制网格的一个顶点，曲面跟着动：最近处动得最多，这里走它的八分之三；两圈面以外一点不动，不过立方体一共也就两圈。造型的人因此愿意用控制网格来想问题：几百个点，每个点只管一件清楚的事。</p>,
+      text: <p>拖动控制网格的一个顶点，曲面跟着动：最近处动得最多，这里走它的八分之三；两圈面以外一点不动，不过立方体一共也就两圈。</p>,
     },
     segments: {
       title: "多少段看起来才光滑？",

@@ -184,6 +184,47 @@ test("numbers of the text are handles, and follow their figures", async () => {
   await page.context().close();
 });
 
+test("on a wide screen the figure stays beside its number, controls and code", async () => {
+  const { page, errors } = await calm({ viewport: { width: 1366, height: 768 } });
+  for (const id of ["inside", "weights", "bernstein"]) {
+    await reach(page, id);
+    await awake(page, id);
+    const block = page.locator(`#block-${id}`);
+    const boxOf = async (what: string) => (await block.locator(what).first().boundingBox())!;
+    for (const what of [".placed .panel", ".code"]) {
+      // By its last line.
+      await block.locator(what).first().evaluate((part) => part.scrollIntoView({ behavior: "instant", block: "end" }));
+      const [part, stage] = [await boxOf(what), await boxOf(".stage")];
+      expect(part.x + part.width, `${id}: ${what}`).toBeLessThan(stage.x);
+      expect(stage.y, `${id}: ${what}`).toBeGreaterThanOrEqual(0);
+      expect(stage.y + stage.height, `${id}: ${what}`).toBeLessThanOrEqual(768);
+    }
+    // What lies over the text lets the hand through.
+    const link = block.locator("a.term").first();
+    await link.click();
+    expect(await page.locator("#gloss").isVisible()).toBe(true);
+    await page.keyboard.press("Escape");
+  }
+  expect(errors).toEqual([]);
+  await page.context().close();
+});
+
+test("the curve's segments can follow its bend: fewer are proved to be as near", async () => {
+  const { page, errors } = await calm();
+  await page.locator('[data-guess="segments"] summary').evaluate((summary) => (summary as HTMLElement).click());
+  await reach(page, "segments");
+  await awake(page, "segments");
+  const [evenly, fewest] = [await digits(page, "evenly"), await digits(page, "fewest")];
+  expect(fewest).toBeLessThan(evenly);
+  await page.locator("#block-segments button.set-of").click();
+  await expect.poll(() => digits(page, "segments-live")).toBe(fewest);
+  expect(await figure(page, "segments").locator(".joint-of").count()).toBe(fewest + 1);
+  await page.locator("#segments-count").fill("12");
+  await expect.poll(() => figure(page, "segments").locator(".joint-of").count()).toBe(13);
+  expect(errors).toEqual([]);
+  await page.context().close();
+});
+
 test("cards turn only after an answer", async () => {
   const { page } = await calm();
   expect(await page.locator("[data-card]").count()).toBe(QUESTIONS.length);
