@@ -205,6 +205,11 @@ test("on a wide screen the figure stays beside its number, controls and code", a
     expect(await page.locator("#gloss").isVisible()).toBe(true);
     await page.keyboard.press("Escape");
   }
+  // 64 times the size of the text: from there on it is wide, and not narrow as well.
+  await page.setViewportSize({ width: 1024, height: 768 });
+  const [words, stage] = [(await page.locator("#block-inside .words").boundingBox())!, (await figure(page, "inside").locator(".stage").boundingBox())!];
+  expect(words.x + words.width).toBeLessThan(stage.x);
+  expect(stage.width).toBeGreaterThan(400);
   expect(errors).toEqual([]);
   await page.context().close();
 });
