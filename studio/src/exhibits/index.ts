@@ -328,8 +328,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "A teapot and a mountain", zh: "茶壶与山" },
     claim: {
-      en: "Within a pixel each, a mountain needs about as many triangles as a teapot on the desk.",
-      zh: "都以一个像素为限，一座山需要的三角形和桌上的茶壶差不多。",
+      en: "Within a pixel each, a mountain takes thousands of triangles, as a teapot on the desk does, and not millions.",
+      zh: "都以一个像素为限，一座山和桌上的茶壶一样，要几千个三角形，而不是几百万。",
     },
     load: () => import("./mountain"),
   },

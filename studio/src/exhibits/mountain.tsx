@@ -41,7 +41,8 @@ interface Answer extends Record<Name, Model> {
 const DISTANCES = Array.from({ length: 28 }, (_, i) => Number((10 ** ((i - 1) / 8)).toPrecision(2)));
 const BUDGETS = [0.25, 0.5, 1, 2, 4, 8, 16];
 const SCREEN = [1620, 1080] as const;
-const defaults: State = { distance: 0, budget: 2, spot: [419, 669] };
+// Two pixels, because at one the still picture of the page would weigh more than all else.
+const defaults: State = { distance: 0, budget: 3, spot: [419, 669] };
 /** From the eye, at the origin, to the horizon. */
 const VIEW: View = { azimuth: -90, elevation: 0, distance: 4, target: [0, 4, 0] };
 /** The loupe in the figure, which is 720 wide: its middle and half its side. */
@@ -82,7 +83,7 @@ const texts: Record<Language, Texts> = {
     proved: "proved, at most",
     legend: { truth: "true surface", mesh: "triangles" },
     story: [
-      "The error that counts is the one *on the screen*. One pixel is a third of a millimetre on a teapot at arm’s length, and over a metre on a mountain three kilometres behind it. So both get chords of *one pixel*, and five kilometres of mountain make do with about as many triangles as a teapot.",
+      "The error that counts is the one *on the screen*. One pixel is a third of a millimetre on a teapot at arm’s length, and over a metre on a mountain three kilometres behind it. So both get chords of *one pixel*, and five kilometres of mountain make do with thousands of triangles, as the teapot does.",
       "The loupe shows a square of 12 by 12 pixels. In it the true surface is grey, the triangles are blue, and the two never differ by more than the pixels that you allow.",
       "The picture looks from the eye to the horizon, on a screen of 1620 by 1080 pixels. Both models are bicubic patches; the mountain is a made-up one. The figure draws both shrunk towards the eye, which changes no direction and so not the picture.",
     ],
@@ -108,7 +109,7 @@ const texts: Record<Language, Texts> = {
     proved: "已证明的上界",
     legend: { truth: "真实曲面", mesh: "三角形" },
     story: [
-      "要紧的是*屏幕上*的误差。一个像素，在手边的茶壶上是三分之一毫米，在三公里外的山上则超过一米。两者的弦都以*一个像素*的误差为限，于是五公里宽的山，用的三角形和一把茶壶差不多。",
+      "要紧的是*屏幕上*的误差。一个像素，在手边的茶壶上是三分之一毫米，在三公里外的山上则超过一米。两者的弦都以*一个像素*的误差为限，于是五公里宽的山，也和茶壶一样，几千个三角形就够了。",
       "放大镜里是 12 × 12 个像素。灰色是真实曲面，蓝色是三角形，两者相差不会超过你允许的像素数。",
       "画面从眼睛望向地平线，屏幕为 1620 × 1080 像素。两个模型都是双三次曲面片，山是虚构的。画图时两者都向眼睛缩近，方向不变，画面也就不变。",
     ],

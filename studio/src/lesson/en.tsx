@@ -533,8 +533,8 @@ export const EN: LessonText = {
       title: "At their true size",
       text: (
         <p>
-          Both in one picture. Move the loupe along an edge: grey is the true surface, blue the triangles, each square a pixel. Every chord is as long as it may be, and you
-          would not have seen one. The teapot, at arm’s length, takes {say.whole(facts.mountain.teapot)} triangles, and this mountain, with more ridges than
+          Both in one picture, within two pixels. Move the loupe along an edge: grey is the true surface, blue the triangles, each square a pixel. Every chord is as long as
+          it may be. The teapot, at arm’s length, takes {say.whole(facts.mountain.teapot)} triangles, and this mountain, with more ridges than
           the last one, {say.whole(facts.mountain.mountain)}.
         </p>
       ),

@@ -465,7 +465,7 @@ export const ZH: LessonText = {
     },
     mountain: {
       title: "按真实大小",
-      text: <p>把两者放进同一幅画，沿着边移动放大镜：灰色是真实的曲面，蓝色是三角形，一格一个像素。每条弦都长到了极限，可你本来一条也看不出来。手边的茶壶要 {say.whole(facts.mountain.teapot)} 个三角形；这座山的山脊比前一座更多，要 {say.whole(facts.mountain.mountain)} 个。</p>,
+      text: <p>把两者放进同一幅画，误差都在两个像素以内。沿着边移动放大镜：灰色是真实的曲面，蓝色是三角形，一格一个像素。每条弦都长到了极限。手边的茶壶要 {say.whole(facts.mountain.teapot)} 个三角形；这座山的山脊比前一座更多，要 {say.whole(facts.mountain.mountain)} 个。</p>,
     },
   }),
   table: ({ rivals }, say) => (
