@@ -98,9 +98,8 @@ export const EN: LessonText = {
       ),
       after: (
         <p>
-          Drag this number: with D at <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="Height of corner D" />, and the middles of the
-          two diagonals part by half of that. Authors model with quads all the same, which are good to work with, and on the way to the screen the pipeline
-          quietly cuts each one in two.
+          Drag this number: with D at <Handle figure="quad" field="height" value={0.9} low={0} high={1.5} step={0.05} name="Height of corner D" />, the middles of the two diagonals
+          part by half of that. Authors model with quads all the same: they are good to work with. On the way to the screen the pipeline quietly cuts each one in two.
         </p>
       ),
     },
@@ -109,8 +108,8 @@ export const EN: LessonText = {
       text: (
         <>
           <p>
-            A triangle is also always <Term id="convex">convex</Term>. So a point is inside if it lies on the same side of all three edges, and a side is the sign
-            of one <Term id="edge-function">edge function</Term>: for the edge from a to b, twice the signed area of the triangle a, b, p:
+            A triangle is also always <Term id="convex">convex</Term>. So a point is inside if it lies on the same side of all three edges. Which side,
+            says the sign of an <Term id="edge-function">edge function</Term>: for the edge from a to b, twice the signed area of the triangle a, b, p:
           </p>
           <Formula>
             E(p) = (b<sub>x</sub> − a<sub>x</sub>)(p<sub>y</sub> − a<sub>y</sub>) − (b<sub>y</sub> − a<sub>y</sub>)(p<sub>x</sub> − a<sub>x</sub>)
@@ -208,7 +207,7 @@ export const EN: LessonText = {
       text: (
         <p>
           One normal a face gives one flat tone a facet: right for a cut gem, wrong for a teapot. Average the normals of the faces around each vertex, interpolate
-          them over the triangles, and the same coarse mesh looks round. That is all of <Term id="shading">flat and smooth shading</Term>: no triangle moves. Average
+          them over the triangles, and the same coarse mesh looks round. That is all there is to <Term id="shading">flat and smooth shading</Term>: no triangle moves. Average
           only across edges that bend by less than{" "}
           <Handle figure="normals" field="crease" value={0} low={0} high={180} step={5} unit="°" name="Crease angle" />, and watch the facets go.
         </p>
@@ -324,7 +323,7 @@ export const EN: LessonText = {
       title: "Or cut a cage until it is smooth",
       text: (
         <p>
-          Artists prefer to push a coarse mesh of quads about, a <Term id="cage">cage</Term>. <Term id="subdivision">Subdivision</Term> by Catmull and Clark splits each
+          Artists would rather push a coarse mesh of quads about, a <Term id="cage">cage</Term>. <Term id="subdivision">Subdivision</Term> by Catmull and Clark splits each
           quad into four and averages: after{" "}
           <Handle figure="cage" field="level" value={2} low={0} high={5} name="Rounds" /> rounds it is hard to tell from its smooth limit. Each round has four times the
           faces and leaves about a quarter of the error. At the last moment, patch or cage, all becomes triangles.
@@ -335,7 +334,7 @@ export const EN: LessonText = {
       title: "Pull the cage",
       text: (
         <p>
-          Move one corner of a cage, and the surface follows: most beside it, here by three eighths, and not at all beyond two rings of faces, which on a cube are all.
+          Move one corner of a cage, and the surface follows: most beside it, here by three eighths, and not at all beyond two rings of faces, which on a cube is everything.
         </p>
       ),
     },
@@ -351,8 +350,8 @@ export const EN: LessonText = {
         <p>
           The error falls like 1/N²: with 8 segments {say.number(facts.segments.gaps.get(8)!)} px, with 16 {say.number(facts.segments.gaps.get(16)!)}, with 32{" "}
           {say.number(facts.segments.gaps.get(32)!)}. Large gains first, then small ones. Now it has{" "}
-          <Handle figure="segments" field="count" value={6} low={1} high={64} name="Segments" /> segments. To prove that no point between is farther off takes{" "}
-          {say.whole(facts.segments.evenly)}; spent <Set figure="segments" to={{ how: "fewest" }}>where it bends</Set>, {say.whole(facts.segments.fewest)}.
+          <Handle figure="segments" field="count" value={6} low={1} high={64} name="Segments" /> segments. It takes{" "}
+          {say.whole(facts.segments.evenly)} to prove half a pixel everywhere; spent <Set figure="segments" to={{ how: "fewest" }}>where it bends</Set>, {say.whole(facts.segments.fewest)}.
         </p>
       ),
     },
@@ -427,7 +426,7 @@ export const EN: LessonText = {
       title: "Back to triangles",
       text: (
         <p>
-          Hardware draws triangles, so fields are turned into them. Sample the field on a lattice. In each cell, look which corners are inside, put a vertex on every
+          Hardware draws triangles, so fields are turned into them. Sample the field on a lattice. In each cell, see which corners are inside, put a vertex on every
           edge whose ends differ, and join them: <Term id="marching-cubes">marching cubes</Term>, in the flat marching squares. Sharp corners are cut off, unless the mesher knows the
           parts and puts a vertex <Set figure="squares" to={{ method: "corners" }}>where they meet</Set>.
         </p>
@@ -471,8 +470,8 @@ export const EN: LessonText = {
       title: "What half the error costs",
       text: (
         <p>
-          More triangles shrink the gap to the true surface, round the outline and smooth the shading, and each costs memory and work. Half the error takes a curve about
-          1.4 times the segments, and a surface twice the triangles, whether it is patches, a cage or a field. So the first thousand triangles buy almost everything, and
+          More triangles shrink the gap to the true surface, round the outline and smooth the shading, and each costs memory and work. Half the error takes about
+          1.4 times the segments on a curve and twice the triangles on a surface, be it patches, a cage or a field. So the first thousand triangles buy almost everything, and
           the last million almost nothing.
         </p>
       ),
@@ -481,7 +480,7 @@ export const EN: LessonText = {
       title: "The cliff below a pixel",
       text: (
         <p>
-          Graphics hardware shades pixels in blocks of 2 × 2, even if a triangle touches one pixel of the block. Large triangles do not mind. But let their sides shrink
+          Graphics hardware shades pixels in blocks of 2 × 2, even if a triangle covers only one of them. Large triangles do not mind. But let their sides shrink
           to <Handle figure="overshade" field="stop" value={9} low={0} high={26} name="Side of a triangle" shown={SIDES.map((side) => `${side} px`)} />.
         </p>
       ),
@@ -495,8 +494,8 @@ export const EN: LessonText = {
       title: "And it shimmers",
       text: (
         <p>
-          Worse than nothing: which of many tiny triangles a pixel centre hits changes from frame to frame, so a turning surface sparkles. It is{" "}
-          <Term id="aliasing">aliasing</Term>, more detail than samples to show it.
+          Worse than nothing: which of many tiny triangles a pixel centre hits changes from frame to frame, so a turning surface sparkles. This is{" "}
+          <Term id="aliasing">aliasing</Term>: more detail than samples to show it.
         </p>
       ),
     },
@@ -744,7 +743,7 @@ export const EN: LessonText = {
   },
   questions: {
     title: "Six questions",
-    lead: "Answer in your own words, then turn the card: behind each are a number, and a figure to check it.",
+    lead: "Answer in your own words, then turn the card: behind each is a number, and a figure to check it.",
     cards: (facts, say) => ({
       triangles: {
         ask: "Why triangles?",
