@@ -80,7 +80,7 @@ const texts: Record<Language, Texts> = {
     falls: (ratio, points) => `${ratio} times nearer than the round before, measured at ${points} points of the limit surface.`,
     story: [
       "An artist moves the few points of a *cage*; by Catmull and Clark’s rule every quad becomes four, round after round. They converge to a smooth *limit surface*, which can be evaluated *exactly* at any place, so the error of a round is known: four times the faces, *about a quarter of the error*.",
-      "It is the law of the widget, on a surface. The cost is the same, too: after a few rounds four times the faces improve nothing that is visible.",
+      "A curve that is cut into segments follows the same law. The cost is the same, too: after a few rounds four times the faces improve nothing that is visible.",
       "A *crease* is a number on an edge: for so many rounds it follows the rule of a curve and ignores the faces beside it. With 0 the foot is round, with 1 or 2 it has a soft rim, with 6 a sharp one. The cage stays the same 14 faces.",
     ],
     attempts: [
@@ -108,7 +108,7 @@ const texts: Record<Language, Texts> = {
     falls: (ratio, points) => `距离是上一次的 1/${ratio}，在极限曲面的 ${points} 个点上测得。`,
     story: [
       "美术师只移动*控制网格*的少数几个点；按 Catmull–Clark 规则，每细分一次，每个四边形变成四个。它们趋于光滑的*极限曲面*，这个曲面在任意位置都能*精确*求值，所以每一次的误差都算得出来：面数乘四，*误差约降到四分之一*。",
-      "“要分多少段”那一页的规律，在曲面上同样成立。代价也一样：几次之后，四倍的面换来的是谁也看不见的差别。",
+      "切成线段的曲线也服从同样的规律。代价也一样：几次之后，四倍的面换来的是谁也看不见的差别。",
       "*折痕*是边上的一个数：在这么多次细分中，这条边按曲线的规则处理，不理会两侧的面。取 0，瓶底是圆的；取 1 或 2，边缘柔和；取 6，边缘锐利。控制网格始终是那 14 个面。",
     ],
     attempts: [

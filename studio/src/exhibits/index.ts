@@ -64,6 +64,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./weights"),
   },
   {
+    id: "tangent",
+    part: 1,
+    title: { en: "The third arrow", zh: "第三支箭头" },
+    claim: {
+      en: "Texture coordinates decide the tangent, and a mirrored texture has the other hand.",
+      zh: "纹理坐标决定切线；纹理一镜像，手性就反过来。",
+    },
+    load: () => import("./tangent"),
+  },
+  {
     id: "fan",
     part: 1,
     title: { en: "Any polygon, n − 2 triangles", zh: "任意多边形，n − 2 个三角形" },
@@ -104,16 +114,6 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./normals"),
   },
   {
-    id: "tangent",
-    part: 2,
-    title: { en: "The third arrow", zh: "第三支箭头" },
-    claim: {
-      en: "Texture coordinates decide the tangent, and a mirrored texture has the other hand.",
-      zh: "纹理坐标决定切线；纹理一镜像，手性就反过来。",
-    },
-    load: () => import("./tangent"),
-  },
-  {
     id: "culling",
     part: 2,
     title: { en: "Which way round", zh: "环绕方向" },
@@ -144,6 +144,26 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./bernstein"),
   },
   {
+    id: "runge",
+    part: 3,
+    title: { en: "One polynomial or many", zh: "一个多项式还是许多段" },
+    claim: {
+      en: "If one point moves, a polynomial through many moves between all the others.",
+      zh: "一个多项式穿过许多点：一点移动，其余各点之间处处都动。",
+    },
+    load: () => import("./runge"),
+  },
+  {
+    id: "spline",
+    part: 3,
+    title: { en: "How far a point reaches", zh: "一个点能管多远" },
+    claim: {
+      en: "A local spline moves four pieces with a point, a smoother one a little of everything.",
+      zh: "局部的样条只随一个点动四段；更光滑的样条，处处都动一点。",
+    },
+    load: () => import("./spline"),
+  },
+  {
     id: "joins",
     part: 3,
     title: { en: "Where curves meet", zh: "曲线相接之处" },
@@ -162,36 +182,6 @@ export const EXHIBITS: readonly Entry[] = [
       zh: "C1 路径的加速度每到接点就突变，C2 路径不会。",
     },
     load: () => import("./ride"),
-  },
-  {
-    id: "spline",
-    part: 3,
-    title: { en: "How far a point reaches", zh: "一个点能管多远" },
-    claim: {
-      en: "A local spline moves four pieces with a point, a smoother one a little of everything.",
-      zh: "局部的样条只随一个点动四段；更光滑的样条，处处都动一点。",
-    },
-    load: () => import("./spline"),
-  },
-  {
-    id: "runge",
-    part: 3,
-    title: { en: "One polynomial or many", zh: "一个多项式还是许多段" },
-    claim: {
-      en: "If one point moves, a polynomial through many moves between all the others.",
-      zh: "一个多项式穿过许多点：一点移动，其余各点之间处处都动。",
-    },
-    load: () => import("./runge"),
-  },
-  {
-    id: "cracks",
-    part: 3,
-    title: { en: "One side, cut once", zh: "公共边只分一次" },
-    claim: {
-      en: "Two patches crack if each cuts their common side into its own number of segments.",
-      zh: "两片各按各的段数剖分公共边，就会裂开。",
-    },
-    load: () => import("./cracks"),
   },
   {
     id: "patch",
@@ -224,6 +214,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./pull"),
   },
   {
+    id: "cracks",
+    part: 3,
+    title: { en: "One side, cut once", zh: "公共边只分一次" },
+    claim: {
+      en: "Two patches crack if each cuts their common side into its own number of segments.",
+      zh: "两片各按各的段数剖分公共边，就会裂开。",
+    },
+    load: () => import("./cracks"),
+  },
+  {
     id: "field",
     part: 4,
     title: { en: "A rule instead of a list", zh: "用规则代替清单" },
@@ -232,6 +232,16 @@ export const EXHIBITS: readonly Entry[] = [
       zh: "场用一个符号分出内外，用一个值给出距离；网格则要搜索。",
     },
     load: () => import("./field"),
+  },
+  {
+    id: "tracing",
+    part: 4,
+    title: { en: "Rays that leap", zh: "跳着走的射线" },
+    claim: {
+      en: "The value is a safe step, so rays leap; rays that graze the surface take many steps.",
+      zh: "场的值就是安全的步长，所以射线可以跳着走；掠过表面的要走很多步。",
+    },
+    load: () => import("./tracing"),
   },
   {
     id: "csg",
@@ -262,16 +272,6 @@ export const EXHIBITS: readonly Entry[] = [
       zh: "每一点一个符号，裂不开；用舍入的数去切网格，就会裂。",
     },
     load: () => import("./booleans"),
-  },
-  {
-    id: "tracing",
-    part: 4,
-    title: { en: "Rays that leap", zh: "跳着走的射线" },
-    claim: {
-      en: "The value is a safe step, so rays leap; rays that graze the surface take many steps.",
-      zh: "场的值就是安全的步长，所以射线可以跳着走；掠过表面的要走很多步。",
-    },
-    load: () => import("./tracing"),
   },
   {
     id: "squares",
@@ -314,34 +314,14 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./baking"),
   },
   {
-    id: "adaptive",
+    id: "budget",
     part: 5,
-    title: { en: "Finest where it shows", zh: "看得见的地方才细" },
+    title: { en: "What half the error costs", zh: "误差减半的代价" },
     claim: {
-      en: "Triangles crowd where a surface bends, near the eye and along its outline.",
-      zh: "三角形集中在弯曲处、近处和轮廓线上。",
+      en: "Half the error takes about twice the triangles, whether a surface is given as patches, a cage or a field.",
+      zh: "误差减半，三角形约加倍，无论曲面写成曲面片、控制网格还是场。",
     },
-    load: () => import("./adaptive"),
-  },
-  {
-    id: "mountain",
-    part: 5,
-    title: { en: "A teapot and a mountain", zh: "茶壶与山" },
-    claim: {
-      en: "Within a pixel each, a mountain takes thousands of triangles, as a teapot on the desk does, and not millions.",
-      zh: "都以一个像素为限，一座山和桌上的茶壶一样，要几千个三角形，而不是几百万。",
-    },
-    load: () => import("./mountain"),
-  },
-  {
-    id: "levels",
-    part: 5,
-    title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
-    claim: {
-      en: "The error that matters is on the screen: from ten times as far, a small part of the triangles keeps it below a pixel.",
-      zh: "要紧的是屏幕上的误差：远到十倍，只用一小部分三角形，误差就不到一个像素。",
-    },
-    load: () => import("./levels"),
+    load: () => import("./budget"),
   },
   {
     id: "overshade",
@@ -364,14 +344,34 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./shimmer"),
   },
   {
-    id: "budget",
+    id: "levels",
     part: 5,
-    title: { en: "What half the error costs", zh: "误差减半的代价" },
+    title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
     claim: {
-      en: "Half the error takes about twice the triangles, whether a surface is given as patches, a cage or a field.",
-      zh: "误差减半，三角形约加倍，无论曲面写成曲面片、控制网格还是场。",
+      en: "The error that matters is on the screen: from ten times as far, a small part of the triangles keeps it below a pixel.",
+      zh: "要紧的是屏幕上的误差：远到十倍，只用一小部分三角形，误差就不到一个像素。",
     },
-    load: () => import("./budget"),
+    load: () => import("./levels"),
+  },
+  {
+    id: "adaptive",
+    part: 5,
+    title: { en: "Finest where it shows", zh: "看得见的地方才细" },
+    claim: {
+      en: "Triangles crowd where a surface bends, near the eye and along its outline.",
+      zh: "三角形集中在弯曲处、近处和轮廓线上。",
+    },
+    load: () => import("./adaptive"),
+  },
+  {
+    id: "mountain",
+    part: 5,
+    title: { en: "A teapot and a mountain", zh: "茶壶与山" },
+    claim: {
+      en: "Within a pixel each, a mountain takes thousands of triangles, as a teapot on the desk does, and not millions.",
+      zh: "都以一个像素为限，一座山和桌上的茶壶一样，要几千个三角形，而不是几百万。",
+    },
+    load: () => import("./mountain"),
   },
   {
     id: "questions",
@@ -386,7 +386,7 @@ export const EXHIBITS: readonly Entry[] = [
 ];
 
 /** The widget is a stop of the tour, too: after this exhibit, or at the end of its part. */
-export const WIDGET = { part: 3, after: "runge", file: { en: "index.html", zh: "zh.html" } } as const;
+export const WIDGET = { part: 3, after: "pull", file: { en: "index.html", zh: "zh.html" } } as const;
 
 /** A stop of the tour: an exhibit, or the widget. */
 export type Stop = Entry | typeof WIDGET;

@@ -149,16 +149,16 @@ test("cage: each round has four times the faces and leaves about a quarter of th
 
 test("the tour leads through the widget, in the reader's language, but not in a frame", async () => {
   const n = STOPS.indexOf(WIDGET);
-  expect(fileOfStop(STOPS[n - 1]!, "en")).toBe("runge.html");
+  expect(fileOfStop(STOPS[n - 1]!, "en")).toBe("pull.html");
   expect(fileOfStop(STOPS[n + 1]!, "en")).toBe("cracks.html");
   let page = await pages.at("index.html");
   const shown = () => page.locator(".onward a:not(.to-bench, .to-all):visible").evaluateAll((links) => links.map((link) => link.getAttribute("href")));
-  expect(await shown()).toEqual(["runge.html", "cracks.html"]);
+  expect(await shown()).toEqual(["pull.html", "cracks.html"]);
   expect(await page.locator(".onward .to-all:visible").getAttribute("href")).toBe("exhibits.html");
   expect(await axeFindings(page)).toEqual([]);
   await page.getByRole("button", { name: "中文" }).click();
   await settled(page);
-  expect(await shown()).toEqual(["runge.zh.html", "cracks.zh.html"]);
+  expect(await shown()).toEqual(["pull.zh.html", "cracks.zh.html"]);
   await page.locator(".onward a[rel=next]:visible").click();
   await page.waitForURL(/cracks\.zh\.html$/);
   await page.waitForSelector("html[data-ready]");

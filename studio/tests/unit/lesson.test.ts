@@ -6,9 +6,9 @@ import { beforeAll, describe, expect, test } from "vitest";
 import { Core } from "../../src/core/module";
 import type { AnyExhibit } from "../../src/exhibits/exhibit";
 import { EXHIBITS } from "../../src/exhibits/index";
-import { loaded } from "../../src/lesson/figures";
+import { hasPage, loaded } from "../../src/lesson/figures";
 import { LESSONS } from "../../src/lesson/languages";
-import { BLOCKS, QUESTIONS, SECTIONS, STATIONS, TERMS } from "../../src/lesson/outline";
+import { BLOCKS, blocksOf, QUESTIONS, SECTIONS, STATIONS, TERMS } from "../../src/lesson/outline";
 import { COMPONENTS } from "../../src/lesson/own/stations";
 import { OWN_TEXTS } from "../../src/lesson/own/texts";
 import { lessons } from "../../src/lesson/prerender";
@@ -36,9 +36,9 @@ test("ids are used once, and blocks with a guess have a figure or a table", () =
   for (const block of BLOCKS) if (block.guess) expect(block.figure, block.id).toBeDefined();
 });
 
-test("every exhibit of the tour is in the lesson, except the questions, which it asks itself", () => {
-  const shown = BLOCKS.map(({ figure }) => figure);
-  for (const { id } of EXHIBITS) if (id !== "questions") expect(shown, id).toContain(id);
+test("the tour has the exhibits of the lesson in its order and its parts, and then the questions, which it asks itself", () => {
+  const shown = SECTIONS.flatMap((section, part) => blocksOf(section).map(({ figure }) => [figure, part] as const)).filter(([figure]) => figure && hasPage(figure));
+  expect(EXHIBITS.map(({ id, part }) => [id, part])).toEqual([...shown, ["questions", 5]]);
 });
 
 describe.each(Object.keys(LESSONS))("%s", (language) => {
