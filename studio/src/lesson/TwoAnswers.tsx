@@ -46,10 +46,10 @@ export function TwoAnswers({ points, rule }: { points: string; rule: string }) {
               </text>
             );
           })}
-          <text class="rule" x="244" y="104">
+          <text class="rule" x="238" y="104">
             f(x, y) =
           </text>
-          <text class="rule" x="244" y="128">
+          <text class="rule" x="238" y="128">
             √(x² + y²) − 1
           </text>
         </svg>
