@@ -241,7 +241,7 @@ function Block(props: BlockProps) {
 /** Where a shape of the reader's own appears, once there is one. */
 function Station({ at }: { at: string }) {
   const station = STATIONS.find((one) => one.at === at);
-  return station ? <section class="own" id={`own-${station.id}`} data-own={station.id} hidden /> : null;
+  return station ? <section class="own" id={`own-${station.id}`} aria-labelledby={`own-${station.id}-title`} data-own={station.id} hidden /> : null;
 }
 
 function PlacedFigure({ plan, figure, stills, language, text }: BlockProps & { figure: string }) {

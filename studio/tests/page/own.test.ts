@@ -303,6 +303,8 @@ describe("a file", () => {
     page.on("request", (request) => asked.push(request.url()));
     await page.reload();
     await expect.poll(() => line(page)).toContain("ball.obj");
+    expect(asked.filter((url) => /guide/.test(url)).length).toBeGreaterThan(0);
+    expect(asked.filter((url) => /command-/.test(url))).toEqual([]);
     await reach(page, "triangles");
     await expectNumbers(page, "triangles", WALK.triangles(await shell.of(page, "triangles")));
     await page.evaluate(() => scrollTo({ top: 0, behavior: "instant" }));
@@ -382,6 +384,25 @@ describe("what cannot travel along", () => {
     await expect.poll(() => dialog(page).locator(".fault").textContent()).toContain("could not be loaded");
     await page.context().close();
   });
+});
+
+test("a browser that keeps nothing says so, and the shape travels along all the same", async () => {
+  const { page, errors } = await lesson("lesson.html", {
+    prepare: (page) =>
+      page.addInitScript(() => {
+        IDBFactory.prototype.open = () => {
+          throw new DOMException("refused", "SecurityError");
+        };
+      }),
+  });
+  await ask(page);
+  await dialog(page).locator("textarea").fill("sphere(1)");
+  await dialog(page).locator("button[type=submit]").click();
+  await travels(page, "shape.star");
+  await expect.poll(() => page.locator("[data-own-line]").textContent()).toContain("does not keep it");
+  await reach(page, "triangles");
+  expect(errors).toEqual([]);
+  await page.context().close();
 });
 
 test("a file that is dropped on the page travels along, by touch an example does", async () => {

@@ -9,7 +9,7 @@ import type { OwnShape } from "./shape";
 import type { OwnTexts } from "./texts";
 
 /** Of the examples of the workbench those that take a moment. */
-const CHOICES = ["bracket", "gear", "creature", "gyroid"] as const satisfies readonly Example[];
+const CHOICES = ["bracket", "gear", "badge", "creature"] as const satisfies readonly Example[];
 /** A shape at once, and short enough to be understood. */
 const FIRST = "box(2, 2, 2) - cylinder(0.5, 3)\n";
 /** The name of a script that was written here. */
