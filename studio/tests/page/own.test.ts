@@ -386,6 +386,29 @@ describe("what cannot travel along", () => {
   });
 });
 
+test("it pushes nothing down, and gives no answer away before the guess", async () => {
+  const { page } = await lesson("lesson.html", { viewport: { width: 1366, height: 768 } });
+  const top = () => page.locator("#question").evaluate((element) => element.getBoundingClientRect().top + scrollY);
+  await page.waitForSelector("[data-hero][data-live]");
+  const before = await top();
+  expect(await bring(page).isVisible()).toBe(true);
+  expect((await bring(page).boundingBox())!.y).toBeLessThan(768);
+  await ask(page);
+  await dialog(page).locator("textarea").fill("sphere(1)");
+  await dialog(page).locator("button[type=submit]").click();
+  await travels(page, "shape.star");
+  expect(await top()).toBe(before);
+  const buffers = station(page, "buffers");
+  await buffers.evaluate((element) => element.scrollIntoView({ behavior: "instant" }));
+  await buffers.locator('[data-state="done"]').waitFor();
+  expect(await buffers.locator(".panel").isVisible()).toBe(false);
+  expect(await buffers.locator(".own-covered").isVisible()).toBe(true);
+  await page.locator('[data-guess="indexed"] summary').click();
+  await buffers.locator(".panel").waitFor();
+  expect(await buffers.locator(".own-covered").isVisible()).toBe(false);
+  await page.context().close();
+});
+
 test("a browser that keeps nothing says so, and the shape travels along all the same", async () => {
   const { page, errors } = await lesson("lesson.html", {
     prepare: (page) =>
