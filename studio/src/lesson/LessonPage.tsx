@@ -24,7 +24,7 @@ import {
   STATIONS,
   TERMS,
 } from "./outline";
-import { BRING } from "./own/words";
+import { AWAY, BRING } from "./own/words";
 
 export interface Still {
   exhibit: AnyExhibit;
@@ -178,7 +178,7 @@ function Hero({ language, text, facts, teapot }: LessonProps) {
             {words.begin}
           </a>
           {/* Shown by the script that it needs. */}
-          <div class="own-begin" data-own-begin hidden>
+          <div class="own-begin" data-own-begin data-away={AWAY[language]} hidden>
             <button type="button">{BRING[language]}</button>
             <div data-own-line />
           </div>

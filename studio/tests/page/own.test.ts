@@ -377,6 +377,13 @@ describe("what cannot travel along", () => {
     await page.context().close();
   });
 
+  test("is a page whose rest the host does not have, which is said in place", async () => {
+    const { page } = await lesson("lesson.zh.html", { locale: "zh", prepare: async (page) => void (await page.route(/guide-.*\.js/, (route) => route.abort())) });
+    await bring(page).click();
+    await expect.poll(() => page.locator("[data-own-line]").textContent()).toContain("未能加载");
+    await page.context().close();
+  });
+
   test("is a module that the host does not have, which is said, too", async () => {
     const { page } = await lesson("lesson.html", { prepare: async (page) => void (await page.route(/command-.*\.wasm/, (route) => route.abort())) });
     await ask(page);

@@ -7,14 +7,14 @@ export function own(): void {
   const begin = document.querySelector<HTMLElement>("[data-own-begin]");
   if (!begin) return;
   let guide: Promise<Guide> | undefined;
-  const load = () => {
+  const load = async (act: (ready: Guide) => void) => {
     guide ??= import("./guide").then(({ Guide }) => Guide.start());
-    // Without a network the next press tries again.
-    guide.catch(() => (guide = undefined));
-    return guide;
+    const ready = await guide.catch(() => null);
+    if (ready) act(ready);
+    else begin.querySelector("[data-own-line]")!.replaceChildren(Object.assign(document.createElement("p"), { role: "alert", textContent: begin.dataset["away"] }));
   };
   begin.hidden = false;
-  begin.querySelector("button")!.addEventListener("click", () => void load().then((ready) => ready.open()));
+  begin.querySelector("button")!.addEventListener("click", () => void load((ready) => ready.open()));
   const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
   // Else the browser leaves the page for the file.
   document.addEventListener("dragover", (event) => hasFiles(event) && event.preventDefault());
@@ -22,7 +22,7 @@ export function own(): void {
     if (!hasFiles(event)) return;
     event.preventDefault();
     const files = [...event.dataTransfer!.files];
-    void load().then((ready) => ready.take(files));
+    void load((ready) => ready.take(files));
   });
-  if (isMarked()) void load();
+  if (isMarked()) void load(() => undefined);
 }
