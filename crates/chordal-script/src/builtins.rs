@@ -112,8 +112,9 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             ))));
         };
         let name = name.unpack_str().unwrap_or("");
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        if name.is_empty() || name.len() > 64 || !name.chars().all(plain) {
+        // Letters of any alphabet: a name is shown to people, and given back as it is.
+        let plain = |c: char| c.is_alphanumeric() || c == '_';
+        if name.is_empty() || name.chars().count() > 64 || !name.chars().all(plain) {
             return Err(fault(CallError(
                 "param() needs a name of up to 64 letters, digits and '_'".to_owned(),
             )));

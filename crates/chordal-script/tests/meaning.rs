@@ -109,6 +109,18 @@ fn parameters_have_defaults_and_can_be_set() {
 }
 
 #[test]
+fn parameters_are_named_in_any_alphabet() {
+    let text = "sphere(param('半径_1', 2) + param('größe', 1))";
+    let options = RunOptions { set: [("半径_1".to_owned(), 4.0)].into(), ..RunOptions::default() };
+    assert_eq!(value(&run(text, &options, &Default::default()).unwrap(), [0.0; 3]), -5.0);
+    assert!(script(&format!("sphere(param('{}', 2))", "径".repeat(64))).is_ok());
+    for name in ["", "a b", "a-b", "半径。", &"径".repeat(65)] {
+        let error = script(&format!("sphere(param('{name}', 2))")).unwrap_err();
+        assert!(error.to_string().contains("needs a name of up to 64 letters"), "{name}: {error}");
+    }
+}
+
+#[test]
 fn what_is_wrong_is_said_with_its_place() {
     for (text, code, message) in [
         (

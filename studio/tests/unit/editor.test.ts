@@ -138,6 +138,10 @@ test("a default in parentheses is a number, an expression is not", () => {
   const labels = (text: string) => paramsOf(text).map(({ name, label, value }) => [name, label, value]);
   expect(labels('a = ((param("a", ((-1.5)))))')).toEqual([["a", "a", -1.5]]);
   expect(labels('a = f(g(param("a", 1,)))')).toEqual([["a", "a", 1]]);
+  expect(labels('a = param("半径_1", 2)\nb = param("größe", 1)\nc = param("a-b", 1)')).toEqual([
+    ["a", "半径_1", 2],
+    ["b", "größe", 1],
+  ]);
   expect(labels('a = param("a", 2 * 3)\nb = param("b", w)\nc = param("c", (1) + 2)\nd = param("d", - 1)')).toEqual([]);
   expect(labels('a = 2 * param("a", 1)\nb = param("b", 1) + param("c", 2)')).toEqual([
     [null, "a", 1],

@@ -15,8 +15,8 @@ export interface ParamCall {
   to: number;
 }
 
-/** Parameters have names of up to 64 letters, digits and '_': `param` in crates/chordal-script/src/builtins.rs. */
-const LABEL = /^["'](\w{1,64})["']$/;
+/** Parameters have names of up to 64 letters, digits and '_', in any alphabet: `param` in crates/chordal-script/src/builtins.rs. */
+const LABEL = /^["']([\p{Alphabetic}\p{N}_]{1,64})["']$/u;
 
 /** All calls whose default is a number, in the order of the text. Several calls may have the same label. */
 function calls(text: string): ParamCall[] {

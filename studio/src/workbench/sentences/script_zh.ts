@@ -261,7 +261,7 @@ const CALLS: Table = {
   "size must be a list of two lengths above 0, along x and y": "size 须是两个大于 0 的长度的列表，分别沿 x 和 y。",
   "height (of white above black) and base (below black) must be lengths above 0": "height（白色高出黑色）和 base（黑色之下）须是大于 0 的长度。",
   "param() needs a finite number as its default, not {kFound}": "param() 的默认值须是有限的数，而不是{kFound}。",
-  "param() needs a name of up to 64 letters, digits and '_'": "param() 的名称至多 64 个字符，只含英文字母、数字和下划线。",
+  "param() needs a name of up to 64 letters, digits and '_'": "param() 的名称至多 64 个字符，只含字母（汉字也可）、数字和下划线。",
   "parameter '{name}' has two defaults, {n} and {nOther}": "参数 {name} 有两个默认值：{n} 和 {nOther}。",
   "check() needs True or False, not {kFound}": "check() 需要 True 或 False，而不是{kFound}。",
   "range() needs a step other than 0": "range() 的步长不能为 0。",
