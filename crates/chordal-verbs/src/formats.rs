@@ -92,12 +92,11 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
     }
 }
 
-/// The message for a shape that is not triangles, with an alternative. `done` is the operation, as a participle.
-pub(crate) fn only_triangles(done: &str, kind: &str) -> Message {
-    let message =
-        Message::from(format!("only triangles can be {done}, and these are {kind}: mesh them first"));
-    match kind {
-        "cage" => {
+/// The message for shapes that are not triangles, with an alternative. `done` is the operation, as a participle.
+pub(crate) fn only_triangles(done: &str, kinds: &str) -> Message {
+    let message = Message::from(format!("only triangles can be {done}, not {kinds}: mesh them first"));
+    match kinds {
+        "cages" => {
             message.words("; ").value(Setting::Surface, "faceted").words(" takes the polygons as triangles")
         }
         _ => message,

@@ -62,7 +62,7 @@ impl DistanceSource {
         }
         let (shape, field) = match shape {
             Shape::Drawing(_) | Shape::Curves(_) => {
-                let message = format!("{} bound no solid to measure distances to", shape.kind());
+                let message = format!("{} bound no solid to measure distances to", shape.kinds());
                 return Err(MeshFailure::Usage(message.into()));
             }
             Shape::Field(implicit) => {

@@ -43,8 +43,8 @@ impl SolidOperand {
         match input.shape {
             Shape::Scene(scene) => Self::from_scene(scene, (name, notes), job),
             Shape::Drawing(_) | Shape::Curves(_) => {
-                let kind = input.shape.kind();
-                Err(MeshFailure::Usage(format!("{name}: {kind} bound no solid").into()))
+                let kinds = input.shape.kinds();
+                Err(MeshFailure::Usage(format!("{name}: {kinds} bound no solid").into()))
             }
             shape => {
                 let Some(within) = within else {

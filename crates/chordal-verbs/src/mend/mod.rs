@@ -103,9 +103,9 @@ pub fn mend(
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let mut certificate = Certificate::from_input(&input);
     let bounds = input.shape.bounds()?;
-    let kind = input.shape.kind();
+    let kinds = input.shape.kinds();
     let Shape::Scene(mut scene) = input.shape else {
-        return Err(MeshFailure::Usage(formats::only_triangles("mended", kind)));
+        return Err(MeshFailure::Usage(formats::only_triangles("mended", kinds)));
     };
     let valid_before = Box::new(CountedTriangles::from_scene(&scene, input.format)?.valid);
     let mut bound = Bound::exact(Reference::InputTriangles);

@@ -132,7 +132,7 @@ const READING: Table = {
   "this is STEP, which is not read: {advice}": "这是 STEP 文件，不能直接读取：请从 CAD 软件导出 3MF、STL 或 glTF 的三角形，误差按需要设定。",
   "the list of tables of a font is cut off or wrong": "字体的表目录不完整或有误。",
   "the file ends before {rest}": "文件不完整，数据没有写完。",
-  "only triangles can be {done}, and these are {kind}: mesh them first": "只有三角形可以这样处理：请先网格化。",
+  "only triangles can be {done}, not {kind}: mesh them first": "只有三角形可以这样处理：请先网格化。",
   "{f} does not hold triangles; {list} do": "{f} 不能存放三角形，能存放的有 {list}。",
   "the field has no finite box; give a region to look in, as in -1,-1,-1 to 1,1,1": "场没有尽头：请给出一个区域，如从 -1,-1,-1 到 1,1,1。",
 };
