@@ -2,7 +2,7 @@
 // same view is there.
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
 import { Site, settled } from "./site";
-import { PATIENCE, Workbenches, faults, small, write } from "./workbench_page";
+import { PATIENCE, Workbenches, faults, panel, small, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
 
@@ -16,7 +16,12 @@ afterEach((context) => pages.close(context));
 afterAll(() => site.close());
 
 /** A page that draws fields although the processor does the work. */
-const open = async (script: string) => pages.open((await small(script)).replace("#", "?live=1#"));
+const open = async (script: string) => {
+  const visit = await pages.open((await small(script)).replace("#", "?live=1#"));
+  // Fields are drawn while their panel is seen.
+  await panel(visit.page, "beside");
+  return visit;
+};
 
 test("shows the card's picture while one turns, and the core's when one rests", async () => {
   const { page, errors } = await open("box(2, 2, 1) - cylinder(0.4, 2)");
@@ -43,8 +48,8 @@ test("another number changes the picture before the core has drawn it", async ()
   expect(faults(errors)).toEqual([]);
 });
 
-test("an outline that crosses itself has no program, and the core's picture stays", async () => {
-  const { page, errors } = await open("extrude(polygon([[0, 0], [2, 2], [2, 0], [0, 2]]), 1)");
+test("a shape whose distance is computed from triangles has no program, and the core's picture stays", async () => {
+  const { page, errors } = await open("redistance(box(2, 2, 1), 0.1)");
   await page.locator(".field-picture:not([hidden])").waitFor();
   await settled(page);
   expect(await page.locator(".live-field[data-live]").count()).toBe(0);
