@@ -354,7 +354,7 @@ test("a view that was only turned follows the size of the shape, one from near s
 
 test("a shape is fitted into what the panels leave, and the view stays while they open", async () => {
   const [whole, half] = [{ width: 1366, height: 768 }, { width: 600, height: 640 }];
-  expect(roomFor(whole, { width: 1366, height: 768 })).toBe(1);
+  expect([roomFor(whole, { width: 1366, height: 768 }), roomFor(whole, { width: -60, height: 640 })]).toEqual([1, 1.5]);
   const room = roomFor(whole, half);
   // From that distance its diagonal is narrower than the part that is free.
   const diagonal = projector({ azimuth: 0, elevation: 0, distance: room * 2.4, target: [0, 0, 0] }, whole).scale(room * 2.4);

@@ -24,12 +24,15 @@ interface Framed {
 
 /** Around the shape there are its sizes. */
 const MARGIN = 1.15;
+/** Not farther than so many times: between two wide panels in a small window a part of the shape says more than all of it. */
+const FARTHEST = 1.5;
 
 /** How much farther away a shape has to be so that it fits into a part of the picture. */
 export function roomFor(size: Size, free: Size): number {
   // The box's diagonal from there, in pixels.
   const diagonal = focal(size) / AWAY;
-  return Math.max(1, (MARGIN * diagonal) / Math.max(Math.min(free.width, free.height), 1));
+  const room = (MARGIN * diagonal) / Math.max(Math.min(free.width, free.height), 1);
+  return Math.min(Math.max(room, 1), FARTHEST);
 }
 
 const isAt = (view: View, place: View): boolean => view.distance === place.distance && view.target.every((x, k) => x === place.target[k]);
