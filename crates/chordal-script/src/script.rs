@@ -298,6 +298,7 @@ fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, Scri
 }
 
 fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
+    let other;
     let hint = match value.downcast_ref::<StarlarkShape>() {
         Some(StarlarkShape(Arg::Shape(solid))) if solid.weight > limits.terms => {
             let message = format!("the shape has more than {} terms", limits.terms);
@@ -308,7 +309,10 @@ fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
         Some(_) => "a formula: turn it into a shape with field()",
         None if value.is_none() => NOTHING_GIVEN,
         None if elements(value).is_some() => "a list of lists: combine the shapes of each with union()",
-        None => "something else",
+        None => {
+            other = arg_of(value);
+            other.kind()
+        }
     };
     Err(ScriptError::new("script-value", format!("the script's value must be a shape, but it is {hint}")))
 }

@@ -235,7 +235,9 @@ fn what_is_wrong_is_said_with_its_place() {
         ),
         ("open('a')", "script-error", "line 1, column 1: Variable `open` not found"),
         ("print(1)", "script-value", "the script's value must be a shape, but it is None"),
-        ("{1: 2}", "script-value", "1: the script's value must be a shape, but it is something else"),
+        ("{1: 2}", "script-value", "1: the script's value must be a shape, but it is a number"),
+        ("2 * 3", "script-value", "the script's value must be a shape, but it is a number"),
+        ("sphere", "script-value", "the script's value must be a shape, but it is a function"),
         (
             "'a'.join([])",
             "script-syntax",

@@ -163,7 +163,6 @@ const SCRIPT: Table = {
   "the script's value must be a shape, but it is a formula: turn it into a shape with field()": "脚本的值必须是形状，现在是公式：请用 field() 把它变成形状。",
   "the script's value must be a shape, but it is a list of lists: combine the shapes of each with union()":
     "脚本的值必须是形状，现在是列表的列表：请用 union() 把每个列表里的形状合并。",
-  "the script's value must be a shape, but it is something else": "脚本的值必须是形状，现在是别的东西。",
   "the script's value must be a shape, but it is None, which is the result of a function without 'return'":
     "脚本的值必须是形状，现在是 None：函数没有 return，结果就是 None。",
   "the script's value has {n} shapes, but must have 1 to {nMost}": "脚本的值有 {n} 个形状，只能有 1 到 {nMost} 个。",
