@@ -7,6 +7,7 @@ import type { Language } from "../../exhibits/say";
 import { BenchSay } from "../../workbench/words";
 import { opened } from "../../workbench/opened";
 import type { StationId } from "../outline";
+import { loadSentences } from "../../workbench/command_zh";
 import { Dialog } from "./Dialog";
 import { Line } from "./Line";
 import { OwnShape } from "./shape";
@@ -56,6 +57,8 @@ export class Guide {
 
   /** With the shape that this browser keeps, if there is one. */
   static async start(): Promise<Guide> {
+    // Without them errors stay English.
+    if (language === "zh") await loadSentences().catch(() => undefined);
     const guide = new Guide();
     await guide.own.again();
     guide.render();
