@@ -88,7 +88,7 @@ fn what_is_no_mesh_or_no_lattice_is_refused() {
     assert_eq!(code(&["bake", &input, "--cells", "8", "--tol", "0.1", "-o", &nrrd]), 2, "both");
     assert_eq!(code(&["bake", &input, "--cells", "8", "--sparse", "-o", &nrrd]), 2, "sparse without a band");
     let curve = folder.file("a.svg", "<svg xmlns='http://www.w3.org/2000/svg'><circle r='1'/></svg>");
-    run(&["bake", &curve, "--cells", "8", "-o", &nrrd]).fails_with(2, &["drawing bound no solid"]);
+    run(&["bake", &curve, "--cells", "8", "-o", &nrrd]).fails_with(2, &["drawings bound no solid"]);
     run(&["bake", &input, "--cells", "100", "--max-memory", "1M", "-o", &nrrd])
         .fails_with(5, &["samples need", "bytes; the limit is 1048576"]);
     run(&["bake", &input, "--cells", "1000000", "-o", &nrrd])
