@@ -41,15 +41,16 @@ impl PageFile {
         Self { bytes: bytes.into(), is_packed: false, kind }
     }
 
-    /// The content for a client that does not decompress; nothing if the file is damaged.
+    /// The content for a client that does not decompress; nothing if the file is damaged, or larger than a page's file may be.
     pub fn unpacked(&self) -> Option<Vec<u8>> {
         if !self.is_packed {
             return Some(self.bytes.to_vec());
         }
         let mut content = Vec::new();
         let stream = brotli_decompressor::Decompressor::new(self.bytes.as_ref(), BUFFER);
-        stream.take(MOST_BYTES).read_to_end(&mut content).ok()?;
-        Some(content)
+        // One byte more, so that a larger file is not sent as if its beginning were all of it.
+        stream.take(MOST_BYTES + 1).read_to_end(&mut content).ok()?;
+        (content.len() as u64 <= MOST_BYTES).then_some(content)
     }
 }
 
