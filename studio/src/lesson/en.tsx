@@ -225,7 +225,7 @@ export const EN: LessonText = {
         <>
           <p>
             Seen from the front, the corners of a triangle run counter-clockwise: its <Term id="winding">winding</Term>. Of a closed shape you see only fronts, so{" "}
-            <Term id="culling">culling</Term> skips every triangle that shows its back, half of them or more, before any pixel is touched.
+            <Term id="culling">culling</Term> skips every triangle that shows its back, about half of them, before any pixel is touched.
           </p>
           <p>
             Three triangles of this ball are wound the wrong way. Drawn from both sides and unlit the ball would look perfect; culled, it has three holes.{" "}
