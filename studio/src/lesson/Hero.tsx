@@ -13,7 +13,7 @@ export const HOME: View = { azimuth: -90, elevation: 17, distance: 1.24, target:
 /** The error that is allowed, in pixels. */
 const ALLOWED = 0.5;
 /** The distances of the handle: from where the teapot is as large as the one beside it, to where it is some pixels wide. */
-export const DISTANCES = Array.from({ length: 37 }, (_, i) => Number((1.1 * 10 ** (i / 22)).toPrecision(2)));
+export const DISTANCES = Array.from({ length: 37 }, (_, i) => Number((1.3 * 10 ** (i / 22)).toPrecision(2)));
 /** Where the play comes to rest: small, and still a teapot. */
 export const REST = 27;
 /** The first one that a picture shows before any script runs. */

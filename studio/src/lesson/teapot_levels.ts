@@ -3,6 +3,11 @@
 
 /** The teapot's width, in metres: the core's exhibit scales it so. */
 export const WIDTH = 0.26;
+/** Steps of positions in a metre: an eighth of the finest level's error. */
+const GRID = 32_000;
+/** How far rounding to that moves a point at most: half a step along each axis. */
+export const ROUNDED = Math.sqrt(3) / 2 / GRID;
+
 /** Levels with larger errors would be shown smaller than the smallest picture here. */
 export const MOST_LEVELS = 7;
 
@@ -10,7 +15,7 @@ export interface TeapotLevel {
   positions: Float32Array;
   indices: Uint32Array;
   triangles: number;
-  /** The proved error, in metres. */
+  /** The proved error with that of rounding, in metres. */
   error: number;
   /** The distance at which that is a pixel of a screen of 1920 by 1080, in metres. */
   from: number;
@@ -25,14 +30,15 @@ interface LevelsAnswer {
   };
 }
 
-/** The levels, by the core's exhibit. */
+/** The levels, by the core's exhibit, not yet rounded. */
 export function levelsOf(ask: (question: { exhibit: string; distance: number }) => LevelsAnswer): TeapotLevel[] {
   const { levels } = ask({ exhibit: "levels", distance: 1 }).teapot;
   return levels.slice(0, MOST_LEVELS).map(([from, triangles, error], i) => {
     // A little farther than where it begins; the finest is shown from any distance below that of the next.
     const { mesh, level } = ask({ exhibit: "levels", distance: Math.max(1.01 * from, 0.6) }).teapot;
     if (level !== i) throw new Error(`level ${i} of the teapot is not shown where it begins`);
-    return { ...mesh, triangles, error, from };
+    const off = error + ROUNDED;
+    return { ...mesh, triangles, error: off, from: (from * off) / error };
   });
 }
 
@@ -42,9 +48,6 @@ interface Head {
   error: number;
   from: number;
 }
-
-/** Steps of positions in a metre: an eighth of the finest level's error. */
-const GRID = 32_000;
 
 export function packed(levels: readonly TeapotLevel[]): Uint8Array {
   const heads: Head[] = levels.map(({ positions, triangles, error, from }) => ({ triangles, vertices: positions.length / 3, error, from }));

@@ -12,15 +12,18 @@ import { BLOCKS, blocksOf, QUESTIONS, SECTIONS, STATIONS, TERMS } from "../../sr
 import { COMPONENTS } from "../../src/lesson/own/stations";
 import { OWN_TEXTS } from "../../src/lesson/own/texts";
 import { lessons } from "../../src/lesson/prerender";
-import { unpacked } from "../../src/lesson/teapot_levels";
+import { DISTANCES, levelAt } from "../../src/lesson/Hero";
+import { levelsOf, ROUNDED, unpacked } from "../../src/lesson/teapot_levels";
 
 const ROOT = join(import.meta.dirname, "../..");
 const CODE = join(ROOT, "src/lesson/code");
 let written: Awaited<ReturnType<typeof lessons>>;
+let core: Core;
 const figures = new Map<string, AnyExhibit>();
 
 beforeAll(async () => {
-  written = await lessons(await Core.load(readFileSync(join(ROOT, "wasm/exhibits.wasm"))));
+  core = await Core.load(readFileSync(join(ROOT, "wasm/exhibits.wasm")));
+  written = await lessons(core);
   for (const { figure } of BLOCKS) if (figure) figures.set(figure, await loaded(figure));
   // All figures at once, by the module of the tests, on a machine that others use.
 }, 180_000);
@@ -112,17 +115,29 @@ test("takes a quarter of an hour to read, and half an hour with its figures", ()
   expect(words / 238).toBeLessThan(15);
 });
 
-test("the teapot of the first picture is the core's, rounded to less than its error", () => {
+test("the teapot of the first picture is the core's, rounded by less than is added to its error", () => {
   const { bytes } = written.teapot;
   const levels = unpacked(bytes.buffer as ArrayBuffer);
   expect(levels[0]!.triangles).toBeGreaterThan(5000);
-  for (const [i, { triangles, error, indices }] of levels.entries()) {
+  const exact = levelsOf((question) => core.ask("exhibit", question) as never);
+  for (const [i, { triangles, error, indices, positions }] of levels.entries()) {
+    expect(indices).toEqual(exact[i]!.indices);
+    const off = (k: number) => Math.hypot(...[0, 1, 2].map((axis) => positions[3 * k + axis]! - exact[i]!.positions[3 * k + axis]!));
+    const far = Math.max(...Array.from({ length: positions.length / 3 }, (_, k) => off(k)));
+    expect(far).toBeGreaterThan(0);
+    expect(far).toBeLessThanOrEqual(ROUNDED * 1.0001);
     expect(indices.length).toBe(3 * triangles);
     if (i) {
       expect(triangles).toBeLessThan(levels[i - 1]!.triangles);
       expect(error).toBeGreaterThan(levels[i - 1]!.error);
     }
   }
+});
+
+test("the teapot of the first picture is off by at most half a pixel wherever it is", () => {
+  const { bytes } = written.teapot;
+  const levels = unpacked(bytes.buffer as ArrayBuffer);
+  for (const distance of DISTANCES) expect(levelAt(levels, distance).from / distance, `from ${distance} m`).toBeLessThanOrEqual(0.5);
 });
 
 describe("code", () => {
