@@ -51,6 +51,17 @@ test.each([LAPTOP, PHONE])("the picture fills the window, and an enclosure is wr
   const [whole, free] = await shares(page);
   expect(whole).toBeCloseTo(1, 2);
   expect(free).toBeGreaterThan(0.7);
+  // The wall in front, at the cross in the middle of the picture.
+  await page.locator(".scene").focus();
+  await page.keyboard.press("1");
+  await page.keyboard.press("p");
+  await page.getByLabel("Measure").selectOption("wall");
+  await page.locator(".scene").focus();
+  await page.keyboard.press("Enter");
+  const wall = page.locator('[data-result="wall"]').last();
+  await wall.waitFor();
+  expect(Number(await wall.getAttribute("data-value"))).toBeCloseTo(2, 5);
+  expect(await isStill(page), "measured").toBe(true);
   for (const name of ["input", "certificate", "beside", "change", "export"] as const) {
     await panel(page, name);
     expect(await isStill(page), name).toBe(true);
@@ -58,7 +69,10 @@ test.each([LAPTOP, PHONE])("the picture fills the window, and an enclosure is wr
     expect((await shares(page))[0]).toBeCloseTo(1, 2);
   }
   await expect.poll(() => page.locator('[data-export="3mf"]').isVisible()).toBe(true);
-  await page.locator('[data-export="3mf"]').scrollIntoViewIfNeeded();
+  // Within the window as it is: nothing is scrolled.
+  const { y, height } = (await page.locator('[data-export="3mf"]').boundingBox())!;
+  expect(y).toBeGreaterThan(0);
+  expect(y + height).toBeLessThanOrEqual(page.viewportSize()!.height);
   const [download] = await Promise.all([page.waitForEvent("download"), page.locator('[data-export="3mf"]').click()]);
   expect(download.suggestedFilename()).toMatch(/\.3mf$/);
   // On a phone one sheet at a time.
