@@ -146,7 +146,7 @@ describe("a sentence", () => {
     ["invalid value 'abc' for '--tol <LENGTH>': a length must be finite and greater than 0 (see --help)", "长度的值“abc”不能用：长度须有限且大于 0。"],
     ["invalid value 'q' for '--up <AXIS>': the axis that is up is y or z (see --help)", "--up <AXIS> 的值“q”不能用：朝上的轴是 y 或 z。"],
     ["Parse error: invalid input `（`", "语法错误：“（”是全角符号，请改用半角的 ( 。"],
-    ["part 1: the script's value must be a shape, but it is something else", "part 1：脚本的值必须是形状，现在是别的东西。"],
+    ["part 1: the script's value must be a shape, but it is a number", "part 1：脚本的值必须是形状，现在是数。"],
   ];
   test.each(said)("%s", (english, chinese) => expect(chineseOf(english)).toBe(chinese));
 

@@ -157,7 +157,7 @@ const TEXT: Table = {
 /** What a script lacks, or has too much of. */
 const SCRIPT: Table = {
   "the script's value must be a shape, but it is None: {wWhy}": "脚本的值必须是形状，现在是 None：{wWhy}",
-  "the script's value must be a shape, but it is {what}": "脚本的值必须是形状，现在是{what}。",
+  "the script's value must be a shape, but it is {kWhat}": "脚本的值必须是形状，现在是{kWhat}。",
   "the script's value must be a shape, but it is a path: fill it with polygon(), or follow it with sweep()":
     "脚本的值必须是形状，现在是路径：请用 polygon() 填充它，或用 sweep() 沿它扫掠。",
   "the script's value must be a shape, but it is a formula: turn it into a shape with field()": "脚本的值必须是形状，现在是公式：请用 field() 把它变成形状。",
