@@ -1,15 +1,9 @@
 // The files that scripts read, such as fonts, kept in this browser: so that a script that is opened again, or a file that
 // carries one, has them without asking. They are found by their contents, or by the script that they were given to.
 import type { Files } from "../core/command";
+import type { Drawer } from "../core/drawer";
 import type { Bench } from "./document";
 import { isFont } from "./lack";
-
-/** The part of a database that is used. */
-export interface Drawer {
-  get(key: string): Promise<unknown>;
-  set(key: string, value: unknown): Promise<void>;
-  drop(key: string): Promise<void>;
-}
 
 /** What is kept, oldest first: the digest and the size of each file. */
 type Index = readonly { digest: string; size: number }[];
@@ -84,33 +78,4 @@ export class Cupboard {
 async function sha256(bytes: Uint8Array): Promise<string> {
   const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes as BufferSource));
   return [...digest].map((byte) => byte.toString(16).padStart(2, "0")).join("");
-}
-
-const STORE = "files";
-
-/** The drawer of this browser. Each call opens the database again if that failed, as in some private windows. */
-export function browserDrawer(): Drawer {
-  const opened = () =>
-    new Promise<IDBDatabase>((resolve, reject) => {
-      const request = indexedDB.open("chordal", 1);
-      request.onupgradeneeded = () => request.result.createObjectStore(STORE);
-      request.onsuccess = () => resolve(request.result);
-      request.onerror = request.onblocked = () => reject(request.error);
-    });
-  let database: Promise<IDBDatabase> | undefined;
-  const act = async <T>(mode: IDBTransactionMode, ask: (store: IDBObjectStore) => IDBRequest<T>): Promise<T> => {
-    database ??= opened();
-    database.catch(() => (database = undefined));
-    const store = (await database).transaction(STORE, mode).objectStore(STORE);
-    return new Promise((resolve, reject) => {
-      const request = ask(store);
-      request.onsuccess = () => resolve(request.result);
-      request.onerror = () => reject(request.error);
-    });
-  };
-  return {
-    get: (key) => act<unknown>("readonly", (store) => store.get(key)),
-    set: async (key, value) => void (await act("readwrite", (store) => store.put(value, key))),
-    drop: async (key) => void (await act("readwrite", (store) => store.delete(key))),
-  };
 }

@@ -1,11 +1,12 @@
 // Runs the workbench: reads the address, loads the command when it is first needed, draws at most once a frame.
 import { render } from "preact";
 import { commandJobs } from "../core/command_module";
+import { browserDrawer } from "../core/drawer";
 import { keptShape } from "../core/kept_shape";
 import { App } from "./App";
 import { loadSentences } from "./command_zh";
 import { Controller } from "./controller";
-import { Cupboard, browserDrawer } from "./cupboard";
+import { Cupboard } from "./cupboard";
 import { example } from "./examples";
 import { unpack } from "./share";
 import { Shelf, storage } from "./shelf";
@@ -67,7 +68,7 @@ async function begin(): Promise<void> {
   const first = shared ? shelf.known(shared) : (shelf.last() ?? shelf.unkept() ?? example("bracket"));
   control = new Controller(commandJobs(), first, redraw);
   control.shelf = shelf;
-  control.cupboard = new Cupboard(browserDrawer());
+  control.cupboard = new Cupboard(browserDrawer("chordal", "files"));
   root.replaceChildren();
   // If the address has a link, it contains the changes since the command opened the file, so the link wins.
   const isOpen = opened.length > 0 && !shared && (await control.open(opened));
