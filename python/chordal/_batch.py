@@ -64,7 +64,7 @@ def batch(
     words += [] if address is None else ["--dask", address]
     words += [] if jobs is None else ["--jobs", str(whole("jobs", jobs))]
     words += [] if timeout is None else ["--timeout", repr(number("timeout", timeout))]
-    done = subprocess.run([*words, "--", *_words(options)], capture_output=True, text=True, check=False)
+    done = subprocess.run([*words, "--", *_words(options)], capture_output=True, encoding="utf-8", check=False)
     manifest = os.path.join(os.fspath(output), "manifest.jsonl")
     if done.returncode not in _DONE or not os.path.exists(manifest):
         message = done.stderr.strip().removeprefix("chordal: ")

@@ -98,7 +98,7 @@ def _by_command(files: _Files, options: Mapping[str, str] | None, tell: Progress
     if certificate is not None:
         words += ["--certificate", os.fspath(certificate)]
     words += ["--against", *(os.fspath(file) for file in against)] if against else []
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8") as process:
         try:
             out, error = _output_of(process, tell)
         except BaseException:

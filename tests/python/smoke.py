@@ -17,7 +17,7 @@ assert mesh.to_bytes("glb")[:4] == b"glTF"
 assert len(mesh.lod(pixels=1)) >= 1
 # What Node has built is in it: the viewer of notebooks, and the page of the studio.
 assert importlib.resources.files("chordal").joinpath("viewer.js").is_file()
-with subprocess.Popen([sys.executable, "-m", "chordal", "studio"], stdout=subprocess.PIPE, text=True) as studio:
+with subprocess.Popen([sys.executable, "-m", "chordal", "studio"], stdout=subprocess.PIPE, encoding="utf-8") as studio:
     assert studio.stdout is not None
     assert studio.stdout.readline().startswith("Chordal studio: http"), "the page is not built in"
     studio.kill()

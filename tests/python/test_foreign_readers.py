@@ -136,7 +136,7 @@ def opened_by(library: str, paths: list[Path]) -> list[dict[str, Any]]:
     while len(answers) < len(paths):
         rest = "\n".join(map(str, paths[len(answers) :]))
         program = [sys.executable, str(Path(__file__).with_name("foreign_readers.py")), library]
-        done = subprocess.run(program, input=rest, capture_output=True, text=True, check=False, timeout=300)
+        done = subprocess.run(program, input=rest, capture_output=True, encoding="utf-8", check=False, timeout=300)
         # Some print to the same place.
         found = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
         if found and "missing" in found[0]:

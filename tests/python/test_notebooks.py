@@ -32,7 +32,7 @@ def name(notebook: Path) -> str:
 def run(notebook: Path, folder: Path) -> dict[str, Any]:
     """The notebook after a kernel has run it; `make docs-site` takes what is in `CHORDAL_NOTEBOOKS`."""
     words = [sys.executable, str(EXECUTE), str(folder), str(notebook)]
-    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=600)
+    done = subprocess.run(words, capture_output=True, encoding="utf-8", check=False, timeout=600)
     assert done.returncode == 0, done.stderr[-3000:]
     made: dict[str, Any] = json.loads((folder / f"{name(notebook)}.ipynb").read_text(encoding="utf-8"))
     return made
@@ -81,7 +81,7 @@ def run_text(text: str, folder: Path) -> subprocess.CompletedProcess[str]:
     made.write_text(text, encoding="utf-8")
     shutil.copy(EXECUTE, copy)
     words = [sys.executable, str(copy), str(folder), str(made)]
-    return subprocess.run(words, capture_output=True, text=True, check=False, timeout=600)
+    return subprocess.run(words, capture_output=True, encoding="utf-8", check=False, timeout=600)
 
 
 def test_an_error_in_a_cell_ends_the_run(tmp_path: Path) -> None:

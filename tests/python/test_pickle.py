@@ -136,5 +136,5 @@ def test_a_pickle_is_read_without_the_file(tmp_path: Path) -> None:
     kept.write_bytes(pickle.dumps(chordal.load(copied)))
     copied.unlink()
     words = f"import pickle; print(pickle.load(open({str(kept)!r}, 'rb')).mesh(tol=0.1).bound.evidence)"
-    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, encoding="utf-8", check=True)
     assert done.stdout == "proved\n"

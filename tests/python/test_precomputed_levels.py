@@ -272,7 +272,7 @@ def test_what_was_killed_goes_on(tmp_path: Path, when: str) -> None:
     folder = tmp_path / "levels"
     command = [sys.executable, "-c", KILLED, str(tmp_path / "cells.npy"), str(folder), when]
     volume = chordal.block_volume(tmp_path / "cells.npy", spacing=0.5, unit="um")
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8") as child:
         assert child.stdout is not None
         for line in child.stdout:
             if line.strip() == when:

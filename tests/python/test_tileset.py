@@ -117,7 +117,7 @@ def test_what_was_killed_goes_on(tmp_path: Path) -> None:
     samples = waves((30, 30, 30), 3)
     np.save(tmp_path / "waves.npy", samples)
     command = [sys.executable, "-c", KILLED, str(tmp_path / "waves.npy"), str(tmp_path / "tiles")]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8") as child:
         assert child.stdout is not None
         for line in child.stdout:
             if line.strip() == "20":

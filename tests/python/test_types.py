@@ -28,7 +28,7 @@ def pyright(*words: str, folder: Path) -> tuple[int, dict[str, Any]]:
     # It has all that it needs, and asks nobody whether there is a newer one.
     own = {"PYRIGHT_PYTHON_IGNORE_WARNINGS": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-m", "pyright", "--outputjson", *words]
-    done = subprocess.run(command, cwd=folder, env=os.environ | own, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, cwd=folder, env=os.environ | own, capture_output=True, encoding="utf-8", timeout=300, check=False)
     found: dict[str, Any] = json.loads(done.stdout)
     return done.returncode, found
 

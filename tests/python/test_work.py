@@ -209,7 +209,7 @@ print(shape.mesh(tol=0.01).vertices.tobytes() == before)
 @pytest.mark.skipif(sys.platform != "linux" or os.uname().machine != "x86_64", reason="sets MXCSR in glibc's fenv_t")
 def test_a_thread_that_flushes_subnormals_changes_no_result() -> None:
     done = subprocess.run(
-        [sys.executable, "-c", FLUSH, TEAPOT], capture_output=True, text=True, check=False, timeout=120
+        [sys.executable, "-c", FLUSH, TEAPOT], capture_output=True, encoding="utf-8", check=False, timeout=120
     )
     assert (done.stdout, done.stderr) == ("True\n", "")
 

@@ -41,7 +41,7 @@ def mesh_of(command: str, case: Case, folder: Path, seconds: int) -> Made:
     asked = ["--tol", repr(case.tol), "--require", "proved", "--keep-best", "--force", "--json", "--max-memory", MEMORY]
     words: list[str | Path] = [command, "mesh", script, "-o", out, *asked]
     limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))  # noqa: E731
-    done = subprocess.run(words, capture_output=True, text=True, check=False, preexec_fn=limit)
+    done = subprocess.run(words, capture_output=True, encoding="utf-8", check=False, preexec_fn=limit)
     if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
         return Made("slow", f"stopped after {seconds} s of the processor")
     said = f"exit {done.returncode}: {done.stderr.strip()}"
