@@ -1,6 +1,7 @@
 //! `ScriptSource`: the text of a script, the rewritten text that is parsed, and the map back to the script.
 use crate::advice::with_missing_return;
 use crate::error::position;
+use crate::operators::OPERATORS;
 use crate::other_tools::equivalent_of;
 use crate::parentheses::Parentheses;
 use crate::{ScriptError, nesting};
@@ -179,7 +180,7 @@ impl ScriptSource {
     pub(crate) fn translate_error(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
         let message = error.without_diagnostic().to_string();
         let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
-        let message = with_missing_return(with_equivalent(message), &self.text);
+        let message = with_missing_return(with_equivalent(with_sensible_suggestion(message)), &self.text);
         match error.span() {
             Some(span) => self.error(code, message, span.span),
             None => ScriptError::new(code, message),
@@ -197,6 +198,23 @@ fn with_equivalent(message: String) -> String {
         }
         _ => message,
     }
+}
+
+/// Drops the interpreter's "did you mean" where it is no help. It suggests whatever is one letter away: for a
+/// name of one letter that is any other, so only the same letter in the other case is kept; and for any name
+/// an operator, which is a function of the rewritten program by its own sign.
+fn with_sensible_suggestion(message: String) -> String {
+    let is_of_a_name = ["Variable `", "Module has no symbol `", "Object of type `"];
+    let Some((unknown, rest)) = message.split_once(", did you mean `") else { return message };
+    if !is_of_a_name.iter().any(|start| unknown.starts_with(start)) {
+        return message;
+    }
+    let name = unknown.rsplit('`').nth(1).unwrap_or_default();
+    let suggested = rest.strip_suffix("`?").unwrap_or(rest);
+    let is_word =
+        suggested.chars().all(|c| c.is_alphanumeric() || c == '_') && !OPERATORS.contains(&suggested);
+    let is_near = name.chars().nth(1).is_some() || name.eq_ignore_ascii_case(suggested);
+    if is_word && is_near { message } else { unknown.to_owned() }
 }
 
 /// The most characters of a message. Chosen: some lines of a terminal.

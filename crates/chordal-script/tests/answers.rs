@@ -38,6 +38,24 @@ fn names_of_other_tools_lead_to_those_of_the_language() {
 }
 
 #[test]
+fn a_suggestion_is_a_word_that_is_close() {
+    for (text, expected) in [
+        // Every operator is a function of the program, and one letter away from any other.
+        ("sphere(q)", "Variable `q` not found"),
+        ("a = 1\nsphere(q)", "Variable `q` not found"),
+        ("in_ = 1\nsphere(bin)", "Variable `bin` not found"),
+        // The same letter in the other case is one.
+        ("r = 1\nsphere(R)", "Variable `R` not found, did you mean `r`?"),
+        ("ab = 1\nsphere(ac)", "Variable `ac` not found, did you mean `ab`?"),
+        // A text of the script's own stays as it is.
+        ("fail('x, did you mean `+`?')", "x, did you mean `+`?"),
+    ] {
+        let told = script(text).unwrap_err();
+        assert!(told.message.ends_with(expected), "{text}: {told}");
+    }
+}
+
+#[test]
 fn a_missing_return_is_said_wherever_a_shape_is_needed() {
     let before = "def ball(r):\n    sphere(r)\n\ndef peg(r):\n    return cylinder(r, 1)\n\n";
     for line in [
