@@ -1,5 +1,6 @@
-// The command's sentences, as the page shows them: options in words, and in Chinese by the code and the values that a report
-// gives for each. A sentence whose code has no translation stays English.
+// The command's sentences, as the page shows them: options in words; in Chinese, findings by the codes and the values that a
+// report gives for them, errors and assumptions by their English text. A sentence that is in no table stays English, an error
+// after what its code says.
 import { cureTexts } from "../core/cures";
 import { ERRORS } from "./errors_zh";
 import type { Language } from "./texts";
@@ -92,6 +93,7 @@ const ASSUMPTIONS: readonly (readonly [RegExp, (...values: string[]) => string])
   ],
   [/^the field has no interior points outside the box from (.*) to (.*)$/, (low, high) => `在从 ${low} 到 ${high} 的盒子之外，场没有内部点。`],
   [/^the sign expression has the sign of the field's value everywhere$/, () => "符号表达式处处与场的值同号。"],
+  [/^an outline that crosses itself is cut at its crossings, which moves it by at most (\S+)$/, (most) => `自相交的轮廓在交点处切开，移动至多 ${most}。`],
   [/^a displacement takes off no more than its amplitude, (.*)$/, (amplitude) => `位移削去的不超过其振幅 ${amplitude}。`],
 ];
 

@@ -80,16 +80,30 @@ describe("every sentence of the command", () => {
   test("about an assumption of a proof has a translation", () => {
     const made = [
       "values of the interpolant between samples are taken as rounded to f64",
+      "no part of the outlines and no gap in them appears or vanishes in the polygons that replace them",
+      "the mesh is not closed, and points whose winding number is above a half count as inside",
+      "what is farther from a shape than the bound of its triangles is on the same side of both",
       "no region on the wrong side was missed by the 12 points whose winding numbers were compared",
+      "a shape whose distance was computed anew is replaced by triangles, which are up to 1e-2 away from it",
+      "the computed signs of the field are right at 12 samples where rounding could change them",
       "along the triangles of a mesh that is open or crosses itself, nothing is thinner than 1.0e-2: no film, gap or bump lies between the samples (3 places could have one)",
+      "the field has no interior points outside the box from [-1.0, 0.0, 0.0] to [1.0, 2.0, 3.0]",
+      "the sign expression has the sign of the field's value everywhere",
       "a displacement takes off no more than its amplitude, 0.5",
+      "an outline that crosses itself is cut at its crossings, which moves it by at most 1.2e-9",
     ];
     for (const sentence of made) expect(isChinese(assumptionIn("zh", sentence)), sentence).toBe(true);
-    expect(assumptionIn("zh", made[1]!).text).toContain("12");
-    // Sentences of the crates, up to their first value.
-    const files = ["convert/grid_to_mesh", "convert/bevel/mod", "convert/mesh_leaf", "convert/fields_with_meshes/mod", "boolean/result", "implicit/field", "implicit/combine/offset"];
-    const all = files.map((name) => source(`crates/chordal/src/${name}.rs`)).join("\n").replace(/\\\n\s*/g, "");
-    for (const sentence of made) expect(all, sentence).toContain(sentence.split(/ \d/)[0]!);
+    expect(assumptionIn("zh", made[4]!).text).toContain("12");
+    // Sentences of the crates, up to their first value, and as many as the crates make.
+    const isMade = /ProvedIf\(vec!|\.promise\((?!sentence\))|\.standing_for\(/;
+    const all = ["chordal", "chordal-verbs"].flatMap((crate) => {
+      const folder = `${PROJECT}crates/${crate}/src/`;
+      const names = readdirSync(folder, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".rs"));
+      return names.map((name) => readFileSync(folder + name, "utf8").split("#[cfg(test)]")[0]!).filter((text) => isMade.test(text));
+    });
+    const text = all.join("\n").replace(/\\\n\s*/g, "");
+    for (const sentence of made) expect(text, sentence).toContain(sentence.split(/ [[\d]/)[0]!);
+    expect(text.match(new RegExp(isMade, "g"))!.length, "another assumption is made, which wants its Chinese here").toBe(made.length);
   });
 
   test("about a repair has a translation", () => {
