@@ -278,7 +278,8 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
         <MeasureCard page={page} measures={measures} unit={unit} isReady={solid.isReady} />
       </div>
       <p class="spoken" id="turn-hint">
-        {texts.hint}
+        <span class="with-pointer">{texts.hint}</span>
+        <span class="with-finger">{texts.hintTouch}</span>
       </p>
     </section>
   );

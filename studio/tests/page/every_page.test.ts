@@ -26,27 +26,56 @@ async function open(file: string, isPhone: boolean): Promise<Page> {
   return page;
 }
 
-/** Texts smaller than that, as they are drawn. */
+/** How many texts are drawn, and those that are smaller. */
 const smallTexts = (page: Page) =>
   page.evaluate((smallest) => {
+    let looked = 0;
     const found = [...document.querySelectorAll<HTMLElement | SVGElement>("body *")].flatMap((element) => {
       const isText = [...element.childNodes].some((node) => node.nodeType === Node.TEXT_NODE && node.textContent!.trim());
       // Formulas shrink their exponents, as everywhere.
       if (!isText || !element.checkVisibility({ visibilityProperty: true }) || element.closest("math")) return [];
+      looked += 1;
       const matrix = element instanceof SVGGraphicsElement ? element.getScreenCTM()! : { a: 1, b: 0 };
       const size = Number.parseFloat(getComputedStyle(element).fontSize) * Math.hypot(matrix.a, matrix.b);
       return size < smallest - 0.05 ? [`${element.textContent!.trim().slice(0, 30)}: ${size.toFixed(1)}`] : [];
     });
-    return [...new Set(found)];
+    return { looked, small: [...new Set(found)] };
   }, SMALLEST);
 
-/** The hints that are visible. */
-const hints = (page: Page) =>
-  page.evaluate(() => [...document.querySelectorAll<HTMLElement>(".hint, .numbers p")].map((element) => element.innerText).join("\n"));
+/** All text that one reads or hears, with the folds open that say how to move things; and what those hints are. */
+const saidOn = (page: Page) =>
+  page.evaluate(() => {
+    for (const fold of document.querySelectorAll<HTMLDetailsElement>(".numbers, .about")) fold.open = true;
+    const hints = [...document.querySelectorAll<HTMLElement>(".hint, .numbers p, .about .with-pointer, #turn-hint")];
+    return {
+      all: document.body.innerText,
+      hints: hints.map((element) => element.innerText.trim()),
+      /** Words for one device, seen or not. */
+      forKeys: document.querySelectorAll(".for-keys, .for-mouse, .with-pointer").length,
+      forFingers: document.querySelectorAll(".for-touch, .with-finger").length,
+    };
+  });
 const KEYS = /\b(keys?|Shift|Ctrl|Home|Page Up|wheel|mouse)\b|键|滚轮/;
-const FINGERS = /\b(fingers?|tap|pinch)\b|双指|手指/;
+const FINGERS = /\b(fingers?|tap|pinch)\b|双指|单指|手指/;
 
-/** Sentences that are on the page more than once. */
+/** What moves by hand: figures and their controls; on the list of exhibits the cards. */
+const FIGURE = ".stage *, .panel *, .scene, #hero-distance, [data-figure] *, .cards *";
+
+/** How often one presses Tab until the focus is on a figure, by the link that skips to it, if that is the first stop; at most 20. */
+async function stopsToFigure(page: Page): Promise<number> {
+  for (let stops = 1; stops < 20; stops++) {
+    await page.keyboard.press("Tab");
+    const where = await page.evaluate((figure) => {
+      const at = document.activeElement!;
+      return at.matches(figure) ? "figure" : at.matches("a.skip") && at.checkVisibility({ opacityProperty: true, visibilityProperty: true }) ? "skip" : "elsewhere";
+    }, FIGURE);
+    if (where === "figure") return stops;
+    if (where === "skip" && stops === 1) await page.keyboard.press("Enter");
+  }
+  return 20;
+}
+
+/** How many sentences are on the page, and those that are more than once. */
 const repeated = (page: Page) =>
   page.evaluate(() => {
     const leaves = [...document.querySelectorAll("main :is(p, li, h1, h2, h3, figcaption, summary, dt)")];
@@ -54,22 +83,36 @@ const repeated = (page: Page) =>
     const sentences = texts.flatMap((text) => text.split(/(?<=[.!?])\s|[。！？：；;:]/)).map((text) => text.trim().replace(/[.!?]$/, ""));
     // A few words are a label, which may well stand twice.
     const long = sentences.filter((text) => (/\p{Script=Han}/u.test(text) ? text.length >= 10 : text.split(/\s+/).length >= 5));
-    return long.filter((text, k) => long.indexOf(text) < k);
+    return { looked: long.length, twice: long.filter((text, k) => long.indexOf(text) < k) };
   });
 
 describe.each(OPENED)("%s", (file) => {
-  test("on a phone: axe finds nothing, no label is too small, no hint names a key, and no sentence stands twice", async () => {
+  test("on a phone: axe finds nothing, no label is too small, nothing names a key, and no sentence stands twice", async () => {
     const page = await open(file, true);
-    expect(await smallTexts(page)).toEqual([]);
-    expect(await hints(page)).not.toMatch(KEYS);
+    const { looked, small } = await smallTexts(page);
+    expect(looked).toBeGreaterThan(10);
+    expect(small).toEqual([]);
+    const { all, forFingers } = await saidOn(page);
+    expect(all).not.toMatch(KEYS);
+    // What is for fingers is seen, or the words above are not those of the page.
+    if (forFingers > 0) expect(all).toMatch(FINGERS);
     // The lesson has the controls and hints of all figures, which are alike.
-    if (!file.startsWith("lesson")) expect(await repeated(page)).toEqual([]);
+    if (!file.startsWith("lesson")) {
+      const { looked, twice } = await repeated(page);
+      expect(looked).toBeGreaterThan(file.startsWith("workbench") ? 0 : 3);
+      expect(twice).toEqual([]);
+    }
     expect(await axeFindings(page)).toEqual([]);
     await page.context().close();
   });
-  test("on a desk: no hint names a finger, and axe finds nothing", async () => {
+  test("on a desk: nothing names a finger, axe finds nothing, and keys reach the first figure in ten stops", async () => {
     const page = await open(file, false);
-    expect(await hints(page)).not.toMatch(FINGERS);
+    expect(await stopsToFigure(page)).toBeLessThanOrEqual(10);
+    const { all, hints, forKeys } = await saidOn(page);
+    expect(hints.length, "hints").toBeGreaterThanOrEqual(file.startsWith("exhibits") ? 0 : 1);
+    expect(hints.length).toBe(hints.filter((hint) => hint.length > 0).length);
+    expect(all).not.toMatch(FINGERS);
+    if (forKeys > 0) expect(all).toMatch(KEYS);
     expect(await axeFindings(page)).toEqual([]);
     await page.context().close();
   });
@@ -80,6 +123,7 @@ describe("the head of every page", () => {
   const content = (html: string, name: string) => new RegExp(`<meta (?:name|property)="${name}" content="([^"]*)"`).exec(html)?.[1];
 
   test("has a title, a description, an icon, and a preview whose picture is there", () => {
+    expect(PAGES).toEqual(expect.arrayContaining(["index.html", "zh.html", "lesson.html", "workbench.zh.html", "quad.html"]));
     for (const file of PAGES) {
       const html = read(file);
       const title = /<title>([^<]+)<\/title>/.exec(html)?.[1];
@@ -105,6 +149,7 @@ describe("the head of every page", () => {
       expect(alternates.map(([, href]) => href), file).toContain(file);
       for (const [tag, href] of alternates) expect(read(href!), `${file} → ${href}`).toContain(`<html lang="${tag}"`);
       const links = [...html.matchAll(/\shref="([^"#?]+)[^"]*"/g)].map((match) => match[1]!).filter((href) => !/^(data|https?|mailto):/.test(href));
+      expect(links.length, file).toBeGreaterThan(5);
       expect(links.filter((href) => !existsSync(join(DIST, href))), file).toEqual([]);
     }
   });
