@@ -276,7 +276,7 @@ bench: need-rust need-python ## side by side with other programs; writes bench/R
 bench-quick: need-rust need-python ## the lines of the targets beside their best peers, in ten minutes; STRICT=--strict fails where one is missed
 	$(MAKE) -C bench quick
 
-bench-studio: studio-page need-chromium ## how long a drag on the studio's page keeps the browser busy
+bench-studio: studio-page need-chromium ## how soon the studio's pages appear and follow a hand, held to their limits; ten minutes of a quiet machine
 	cd studio && CHROMIUM=$(CHROMIUM) npm run --silent bench
 
 pictures: need-rust ## take the pictures of the docs again

@@ -32,6 +32,8 @@ const FLAGS = [
   "--enable-unsafe-swiftshader",
 ];
 
+const WITH_CARD = ["--enable-gpu", "--ignore-gpu-blocklist", "--disable-gpu-vsync", "--disable-frame-rate-limit"];
+
 /** How a page is opened. */
 export type Opening = BrowserContextOptions & {
   /** Prepares the page before its first address. */
@@ -54,14 +56,15 @@ export class Site {
     private readonly prepare: (page: Page) => Promise<unknown>,
   ) {}
 
-  static async open(prepare: (page: Page) => Promise<unknown> = async () => undefined): Promise<Site> {
+  /** `hasCard` lets the browser use a graphics card, as many frames a second as that draws; without one the processor draws. */
+  static async open(prepare: (page: Page) => Promise<unknown> = async () => undefined, { hasCard = false } = {}): Promise<Site> {
     const instead: Instead = { files: new Map(), headers: {} };
     const server = createServer((request, response) => void serve(request.url ?? "/", response, instead));
     await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
     const { port } = server.address() as AddressInfo;
     const executablePath = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
     if (!existsSync(executablePath)) throw new Error(`there is no chromium at ${executablePath}`);
-    const browser = await chromium.launch({ executablePath, args: FLAGS });
+    const browser = await chromium.launch({ executablePath, args: hasCard ? [...FLAGS.filter((flag) => flag !== "--disable-gpu"), ...WITH_CARD] : FLAGS });
     return new Site(browser, server, `http://127.0.0.1:${port}/some/where/`, instead, prepare);
   }
 
