@@ -371,6 +371,7 @@ test("figures have no negative size in a frame of any width", async () => {
     const sizes = await frame.locator("svg, rect, circle").evaluateAll((all) =>
       all.flatMap((one) => ["width", "height", "r"].flatMap((name) => one.getAttribute(name) ?? [])),
     );
+    expect(sizes.length, `${width}`).toBeGreaterThan(10);
     expect(sizes.filter((size) => !(parseFloat(size) >= 0)), `${width}`).toEqual([]);
   }
   expect(errors).toEqual([]);
@@ -382,11 +383,14 @@ describe("on paper", () => {
     for (const address of ["#v=1", "#v=1&h=d", "#v=1&w=s"]) {
       const page = await stay(address, { viewport: { width: 900, height: 700 } });
       await page.emulateMedia({ media: "print" });
-      const parts = await page.locator("main section").evaluateAll((all) =>
+      const parts = await page.locator("main section, main .stage").evaluateAll((all) =>
         all.map((one) => [getComputedStyle(one).contentVisibility, one.getBoundingClientRect().height > 150]),
       );
+      expect(parts.length, address).toBeGreaterThanOrEqual(1);
       for (const part of parts) expect(part, address).toEqual(["visible", true]);
-      const cut = await page.locator("main svg, pre, table, .readout").evaluateAll((all) =>
+      const whole = page.locator("main svg, pre, table, .readout");
+      expect(await whole.count(), address).toBeGreaterThanOrEqual(2);
+      const cut = await whole.evaluateAll((all) =>
         all
           .filter((one) => getComputedStyle(one).breakInside !== "avoid" && !one.closest("figure"))
           .map((one) => one.outerHTML.slice(0, 60)),

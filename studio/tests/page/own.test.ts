@@ -1,6 +1,6 @@
 // A shape of the reader's own in the lesson: it is brought as a script or a file, travels along, and each number at each station
 // is the command's. What cannot be read is said in a sentence, and the teapot stays.
-import { readFileSync } from "node:fs";
+import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test, vi } from "vitest";
@@ -453,12 +453,16 @@ test("a file that is dropped on the page travels along, by touch an example does
 
 test("without script nothing of it is shown", async () => {
   const { page } = await site.visit("lesson.html", { javaScriptEnabled: false });
+  expect(await page.locator(".own").count()).toBe(STATIONS.length);
+  expect(await page.locator("[data-own-begin]").count()).toBeGreaterThan(0);
   expect(await page.locator(".own:visible, [data-own-begin]:visible").count()).toBe(0);
   await page.context().close();
 });
 
 test("all of it is in files of its own", () => {
   const html = readFileSync(join(DIST, "lesson.html"), "utf8");
+  const files = readdirSync(join(DIST, "assets"));
+  for (const name of [/^command-.*\.wasm$/, /^guide-.*\.js$/]) expect(files.filter((file) => name.test(file)).length).toBe(1);
   expect(html).not.toMatch(/command-|guide-/);
 });
 

@@ -219,7 +219,8 @@ describe("two curves", () => {
       await drag(page, 2, 25, -30);
       const state = await stateOf(page);
       const { join } = core.ask("seam", { first: state.seam.slice(0, 4) as never, second: state.seam.slice(4) as never, smoothness: "none", leader: "first", scale: 1 });
-      if (wish !== "C0") expect(join.parametric).toBe(level);
+      // A joint at C0 may be smoother by chance, until the drag.
+      expect(join.parametric).toBe(level);
       expect(await digits(page, "curvature-gap")).toBeCloseTo(join.curvature_gap!, 9);
     }
     expect(visit.errors).toEqual([]);
@@ -299,9 +300,11 @@ describe("address, language, surroundings", () => {
     const english = await page.evaluate(() => {
       // Formula and code are the same in all languages.
       document.querySelectorAll("main :is(math, pre)").forEach((one) => one.remove());
-      return [...(document.querySelector("main")!.innerText.match(/\b[a-z]{3,}\b/g) ?? [])];
+      const all = document.querySelector("main")!.innerText;
+      return { all, words: [...(all.match(/\b[a-z]{3,}\b/g) ?? [])] };
     });
-    expect(english).toEqual([]);
+    expect(english.all.length).toBeGreaterThan(200);
+    expect(english.words).toEqual([]);
     expect((await stateOf(page)).language).toBe("zh");
     await open(new URL(page.url()).hash);
     expect(await visit.page.locator("html").getAttribute("lang")).toBe("zh-CN");

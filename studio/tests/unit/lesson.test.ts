@@ -82,7 +82,9 @@ describe.each(Object.keys(LESSONS))("%s", (language) => {
     const html = page();
     const ids = values(html, "id");
     expect(ids.filter((id, i) => ids.indexOf(id) !== i)).toEqual([]);
-    for (const link of values(html, "href").filter((link) => link.startsWith("#"))) expect(ids, link).toContain(link.slice(1));
+    const links = values(html, "href").filter((link) => link.startsWith("#"));
+    expect(links.length).toBeGreaterThan(TERMS.length);
+    for (const link of links) expect(ids, link).toContain(link.slice(1));
     expect(html).not.toMatch(/undefined|NaN|\[object/);
   });
 
@@ -95,7 +97,9 @@ describe.each(Object.keys(LESSONS))("%s", (language) => {
       const first = { ...(figures.get(figure!)!.defaults as Record<string, unknown>), ...state }[field!];
       expect(Number(value), `${figure}.${field}`).toBe(first);
     }
-    for (const [, figure, to] of html.matchAll(/data-set="(\w+)" data-to="([^"]+)"/g))
+    const settings = [...html.matchAll(/data-set="(\w+)" data-to="([^"]+)"/g)];
+    expect(settings.length).toBeGreaterThan(3);
+    for (const [, figure, to] of settings)
       expect(Object.keys(figures.get(figure!)!.defaults), `${figure}`).toEqual(expect.arrayContaining(Object.keys(json(to!))));
     for (const block of BLOCKS)
       if (block.figure && block.state)

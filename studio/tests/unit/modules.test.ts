@@ -23,11 +23,12 @@ test("a module exports its exhibits", async () => {
 });
 
 // `make test` compiles one module and copies it to each name; those of the pages are linked one by one.
-test("the module of an exhibit gives the answer of the one that has all", async () => {
+const isWhole = (id: string) => read(`exhibits/${moduleOf(id)}`).equals(whole);
+test.skipIf(EXHIBITS.every(({ id }) => isWhole(id)))("the module of an exhibit gives the answer of the one that has all", async () => {
   const all = new ExhibitCores(async () => whole);
   const own = new ExhibitCores(async (module) => read(`exhibits/${module}`));
   for (const { id, load } of EXHIBITS) {
-    if (read(`exhibits/${moduleOf(id)}`).equals(whole)) continue;
+    expect(isWhole(id), id).toBe(false);
     const { question, defaults } = (await load()).default;
     const asked = { exhibit: id, ...question(defaults) };
     expect(await own.ask(asked), id).toEqual(await all.ask(asked));
