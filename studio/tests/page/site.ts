@@ -32,7 +32,8 @@ const FLAGS = [
   "--enable-unsafe-swiftshader",
 ];
 
-const WITH_CARD = ["--enable-gpu", "--ignore-gpu-blocklist", "--disable-gpu-vsync", "--disable-frame-rate-limit"];
+/** `CHROMIUM_FLAGS` has what a browser needs besides to find its card, such as `--use-angle=vulkan`. */
+const WITH_CARD = ["--enable-gpu", "--ignore-gpu-blocklist", "--disable-gpu-vsync", "--disable-frame-rate-limit", ...(process.env["CHROMIUM_FLAGS"]?.split(" ") ?? [])];
 
 /** How a page is opened. */
 export type Opening = BrowserContextOptions & {
