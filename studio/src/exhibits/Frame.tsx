@@ -107,6 +107,7 @@ export function Frame(props: FrameProps) {
       </main>
       {!isEmbedded && (
         <>
+          <Path {...props} />
           <Onward stop={entry} language={language} />
           <footer>
             <p>{words.footer}</p>
@@ -128,35 +129,42 @@ function Head({ entry, language, fragment }: FrameProps) {
       <a class="to-lesson" href={LESSON[language]}>
         {words.lesson}
       </a>
-      <nav class="path" aria-label={words.path}>
-        <ol class="moves-of-tour">
-          {[...new Set(STOPS.map(({ part }) => part))].map((part) => (
-            <li key={part}>
-              <a
-                href={fileOfStop(STOPS.find((stop) => stop.part === part)!, language)}
-                {...(part === entry.part ? { "aria-current": "true" as const } : {})}
-              >
-                {PARTS[part][language]}
-              </a>
-            </li>
-          ))}
-        </ol>
-        {/* Of this part alone: 37 of them would be a page of links before each page. */}
-        <ol class="stops" aria-label={PARTS[entry.part][language]}>
-          {STOPS.filter((stop) => stop.part === entry.part).map((stop) => (
-            <li key={fileOfStop(stop, language)}>
-              <a href={fileOfStop(stop, language)} {...(stop === entry ? { "aria-current": "page" as const } : {})}>
-                {titleOf(stop, language)}
-              </a>
-            </li>
-          ))}
-        </ol>
-      </nav>
       <div class="wishes-of-page">
         <Languages language={language} file={(other) => fileOf(entry.id, other) + (fragment && `#${fragment}`)} />
         <Themes language={language} />
       </div>
     </header>
+  );
+}
+
+/** The tour: its five parts, and the stops of this one. It is seen above the figure, and follows it for keys and ears. */
+function Path({ entry, language }: FrameProps) {
+  const words = FRAME[language];
+  return (
+    <nav class="path" aria-label={words.path}>
+      <ol class="moves-of-tour">
+        {[...new Set(STOPS.map(({ part }) => part))].map((part) => (
+          <li key={part}>
+            <a
+              href={fileOfStop(STOPS.find((stop) => stop.part === part)!, language)}
+              {...(part === entry.part ? { "aria-current": "true" as const } : {})}
+            >
+              {PARTS[part][language]}
+            </a>
+          </li>
+        ))}
+      </ol>
+      {/* Of this part alone: 37 of them would be a page of links before each page. */}
+      <ol class="stops" aria-label={PARTS[entry.part][language]}>
+        {STOPS.filter((stop) => stop.part === entry.part).map((stop) => (
+          <li key={fileOfStop(stop, language)}>
+            <a href={fileOfStop(stop, language)} {...(stop === entry ? { "aria-current": "page" as const } : {})}>
+              {titleOf(stop, language)}
+            </a>
+          </li>
+        ))}
+      </ol>
+    </nav>
   );
 }
 

@@ -61,16 +61,11 @@ const FINGERS = /\b(fingers?|tap|pinch)\b|双指|单指|手指/;
 /** What moves by hand: figures and their controls; on the list of exhibits the cards. */
 const FIGURE = ".stage *, .panel *, .scene, #hero-distance, [data-figure] *, .cards *";
 
-/** How often one presses Tab until the focus is on a figure, by the link that skips to it, if that is the first stop; at most 20. */
+/** How often one presses Tab until the focus is on a figure, past the link that skips to it; at most 20. */
 async function stopsToFigure(page: Page): Promise<number> {
   for (let stops = 1; stops < 20; stops++) {
     await page.keyboard.press("Tab");
-    const where = await page.evaluate((figure) => {
-      const at = document.activeElement!;
-      return at.matches(figure) ? "figure" : at.matches("a.skip") && at.checkVisibility({ opacityProperty: true, visibilityProperty: true }) ? "skip" : "elsewhere";
-    }, FIGURE);
-    if (where === "figure") return stops;
-    if (where === "skip" && stops === 1) await page.keyboard.press("Enter");
+    if (await page.evaluate((figure) => document.activeElement!.matches(figure), FIGURE)) return stops;
   }
   return 20;
 }
