@@ -2,6 +2,7 @@
 // addresses are relative, so that the files work under any path of any host.
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
+import { teapot } from "./scripts/teapot.mjs";
 import { thumbnails } from "./scripts/thumbnails.mjs";
 
 /** Tests of a folder that drive a browser, so many files at a time. */
@@ -30,7 +31,7 @@ const everywhere: Plugin = {
 
 export default defineConfig({
   base: "./",
-  plugins: [everywhere, thumbnails()],
+  plugins: [everywhere, teapot(), thumbnails()],
   build: {
     outDir: "dist/page",
     emptyOutDir: true,

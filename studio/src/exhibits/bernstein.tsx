@@ -6,9 +6,10 @@ import { Dot, FLAT, Flat, type Point, cubic, kept, path, toSvg } from "./Flat";
 import { number, points, word } from "./fragment";
 import { Grip, px } from "./Grip";
 import type { Language } from "./say";
+import { SIDE } from "./spout";
 
 type Four = readonly [Point, Point, Point, Point];
-type Form = "arch" | "wave" | "loop";
+type Form = "arch" | "wave" | "loop" | "spout";
 
 interface State {
   form: Form;
@@ -51,8 +52,9 @@ const FORMS: Record<Form, Four> = {
     [2.4, 6.7],
     [8.7, 1.9],
   ],
+  spout: SIDE,
 };
-const NAMES: readonly Form[] = ["arch", "wave", "loop"];
+const NAMES: readonly Form[] = ["arch", "wave", "loop", "spout"];
 const [LOW, HIGH] = [-0.1, 1.1] as const;
 const UNMOVED: readonly Point[] = [
   [0, 0],
@@ -91,7 +93,7 @@ const texts: Record<Language, Texts> = {
     control: (name) => `Control point P${name}`,
     at: (x, y) => `x ${x}, y ${y}`,
     form: "Curve",
-    forms: { arch: "arch", wave: "wave", loop: "loop" },
+    forms: { arch: "arch", wave: "wave", loop: "loop", spout: "spout" },
     label: "Smallest of the four weights",
     weight: (i) => `Weight of P${"₀₁₂₃"[i]}`,
     sum: "Sum",
@@ -117,7 +119,7 @@ const texts: Record<Language, Texts> = {
     control: (name) => `控制点 P${name}`,
     at: (x, y) => `x ${x}，y ${y}`,
     form: "曲线",
-    forms: { arch: "拱形", wave: "波形", loop: "环" },
+    forms: { arch: "拱形", wave: "波形", loop: "环", spout: "壶嘴" },
     label: "四个权重中最小的",
     weight: (i) => `P${"₀₁₂₃"[i]} 的权重`,
     sum: "总和",

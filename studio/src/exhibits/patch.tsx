@@ -8,6 +8,7 @@ import { Knob } from "./Knob";
 import { PAINT } from "./paint";
 import { Scene } from "./Scene";
 import type { Language } from "./say";
+import { SPOUT, SPOUT_VIEW } from "./spout";
 
 interface State {
   control: readonly Vec3[];
@@ -19,13 +20,13 @@ interface State {
   view: View;
 }
 
-interface Shape {
+interface Surface {
   positions: Float32Array;
   indices: Uint32Array;
 }
 
 interface Answer {
-  surface: Shape;
+  surface: Surface;
   normals: Float32Array;
   painted: Float32Array;
   point: Vec3;
@@ -36,7 +37,7 @@ interface Answer {
   rails: Float32Array[];
   sliding: Vec3[];
   slid: Float32Array;
-  triangles: { mesh: Shape; count: number; bound: number; evidence: string } | null;
+  triangles: { mesh: Surface; count: number; bound: number; evidence: string } | null;
 }
 
 const HOME: View = { azimuth: -58, elevation: 30, distance: 9.6, target: [0, 0, 0.3] };
@@ -48,14 +49,18 @@ const HEIGHTS = [
   [0.2, 1.3, 1.9, 0.6],
   [-0.5, 0.3, 0.6, 0.1],
 ];
+const SHAPES = {
+  hill: { control: HEIGHTS.flatMap((row, i) => row.map((z, j): Vec3 => [SIDE[j]!, SIDE[i]!, z])), view: HOME },
+  spout: { control: SPOUT, view: SPOUT_VIEW },
+} as const satisfies Record<string, Pick<State, "control" | "view">>;
+type Shape = keyof typeof SHAPES;
 const defaults: State = {
-  control: HEIGHTS.flatMap((row, i) => row.map((z, j): Vec3 => [SIDE[j]!, SIDE[i]!, z])),
+  ...SHAPES.hill,
   chosen: 10,
   u: 0.6,
   v: 0.5,
   show: "weights",
   pixels: 2,
-  view: HOME,
 };
 const PIXELS = [0.25, 0.5, 1, 2, 4, 8, 16] as const;
 
@@ -79,7 +84,8 @@ interface Texts extends CommonTexts {
   sum: string;
   all: string;
   weightOf(name: string): string;
-  reset: string;
+  begin: string;
+  shapes: Record<Shape, string>;
 }
 
 const texts: Record<Language, Texts> = {
@@ -104,7 +110,8 @@ const texts: Record<Language, Texts> = {
     sum: "Sum of the weights",
     all: "All weights",
     weightOf: (name) => `Weight of ${name}`,
-    reset: "As at first",
+    begin: "Begin with",
+    shapes: { hill: "a hill", spout: "half of a teapot’s spout" },
     story: [
       "A *tensor-product* patch is a curve of curves. Each column of four control points is a cubic Bézier; at v, their four points are the control points of another one, the thick curve, and the surface is what it sweeps as v runs from 0 to 1. Each point weighs in with a product of two *Bernstein* polynomials, Bᵢ(v) · Bⱼ(u).",
       "No weight is negative and they sum to one, so the patch stays in the *convex hull* of its points. It touches only the four corners; the other twelve pull at it. Every point influences the whole patch a little: local control comes from using many patches.",
@@ -136,7 +143,8 @@ const texts: Record<Language, Texts> = {
     sum: "权重总和",
     all: "全部权重",
     weightOf: (name) => `${name} 的权重`,
-    reset: "恢复原样",
+    begin: "从哪个形状开始",
+    shapes: { hill: "小丘", spout: "半个壶嘴" },
     story: [
       "*张量积*曲面是“曲线的曲线”。每列四个控制点是一条三次贝塞尔曲线；取参数 v，四列各得一点，这四点又是另一条曲线（图中粗线）的控制点。v 从 0 走到 1，粗线扫过的就是曲面。每个控制点的权重是两个*伯恩斯坦*多项式之积：Bᵢ(v) · Bⱼ(u)。",
       "权重都不为负，总和为一，所以曲面留在控制点的*凸包*内。它只经过四个角点，其余十二个点只是牵引。每个点对整片曲面都有一点影响；要局部控制，就得用许多片。",
@@ -350,10 +358,15 @@ function Panel({ page }: { page: Page }) {
           choose={(i) => set({ pixels: PIXELS[i]! })}
         />
       )}
-      <div class="buttons">
-        <button type="button" onClick={() => set({ control: defaults.control })}>
-          {texts.reset}
-        </button>
+      <div>
+        <p class="aside">{texts.begin}</p>
+        <div class="buttons">
+          {(["hill", "spout"] as const).map((shape) => (
+            <button key={shape} type="button" onClick={() => set(SHAPES[shape])}>
+              {texts.shapes[shape]}
+            </button>
+          ))}
+        </div>
       </div>
     </>
   );

@@ -251,7 +251,7 @@ export const EN: LessonText = {
         <>
           <p>
             Nobody sculpts a teapot triangle by triangle. Its author placed <Term id="control-point">control points</Term>, sixteen for each patch of surface, and four
-            for a curve, a <Term id="bezier">cubic Bézier</Term>. At t it is a blend of its four points by the <Term id="bernstein">Bernstein</Term> weights:
+            for a curve, a <Term id="bezier">cubic Bézier</Term>. These four are the spout’s lower side. At t the curve is a blend of its four points by the <Term id="bernstein">Bernstein</Term> weights:
           </p>
           <Formula>
             (1 − t)³ P₀ + 3t(1 − t)² P₁ + 3t²(1 − t) P₂ + t³ P₃
@@ -315,7 +315,8 @@ export const EN: LessonText = {
       text: (
         <p>
           Let the four points of a curve run along four curves themselves, and it sweeps a surface: a <Term id="tensor-product">tensor product</Term> patch with 4 × 4
-          control points. The teapot, drawn by Martin Newell in 1975, is 32 of them: seven kilobytes of text, and smooth at any size.
+          control points. This one is half of the spout; the first curve is one of its sides. The teapot, drawn by Martin Newell in 1975, is{" "}
+          {say.whole(facts.teapot.patches)} of them: {say.bytes(facts.teapot.bytes)} of text, and smooth at any size.
         </p>
       ),
     },

@@ -1,4 +1,5 @@
 // The numbers in the lesson's text: computed by the core when the page is built, for the states that its figures open with.
+import TEAPOT from "../../../examples/teapot.bpt?raw";
 import { STOPS as DISTANCES } from "../exhibits/levels";
 import { loaded } from "./figures";
 import { DISTANCES as HERO_DISTANCES, levelAt, REST, widthAt } from "./Hero";
@@ -7,6 +8,8 @@ import { levelsOf, type TeapotLevel } from "./teapot_levels";
 
 export interface Facts {
   hero: readonly TeapotLevel[];
+  /** The file that the teapot is read from: its patches, and the bytes of its text. */
+  teapot: { patches: number; bytes: number };
   /** Triangles of the first picture where its play comes to rest. */
   rest: number;
   indexed: { triangles: number; vertices: number; triangles_per_vertex: number; bytes: number; unindexed_bytes: number; times: number };
@@ -101,3 +104,4 @@ export async function factsOf(ask: Ask): Promise<Facts> {
   };
 }
 
+    teapot: { patches: Number(TEAPOT.split("\n", 1)[0]), bytes: TEAPOT.length },

@@ -1,5 +1,6 @@
 // The lesson's structure, which both languages share: sections, the blocks in them, their figures with a first state, guesses,
 // code, terms and questions. The texts of a language are in en.tsx and zh.tsx; a test holds that they fill every place.
+import { SPOUT, SPOUT_VIEW } from "../exhibits/spout";
 import type { Facts } from "./facts";
 
 /** A prediction before the reveal. */
@@ -72,12 +73,12 @@ export const SECTIONS = [
   {
     id: "smooth",
     blocks: [
-      { id: "bernstein", figure: "bernstein", code: "casteljau" },
+      { id: "bernstein", figure: "bernstein", state: { form: "spout" }, code: "casteljau" },
       { id: "runge", figure: "runge", guess: { kind: "choice", options: ["near", "half", "everywhere"], right: "everywhere" } },
       { id: "spline", figure: "spline" },
       { id: "joins", figure: "joins" },
       { id: "ride", figure: "ride" },
-      { id: "patch", figure: "patch" },
+      { id: "patch", figure: "patch", state: { control: SPOUT, chosen: 6, view: SPOUT_VIEW } },
       { id: "cage", figure: "cage" },
       { id: "pull", figure: "pull" },
       {

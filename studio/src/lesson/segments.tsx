@@ -5,6 +5,7 @@ import { cubic, Dot, Flat, FLAT, path, type Point, toSvg } from "../exhibits/Fla
 import { number, word } from "../exhibits/fragment";
 import { px } from "../exhibits/Grip";
 import type { Language } from "../exhibits/say";
+import { SIDE } from "../exhibits/spout";
 
 type Four = readonly [Point, Point, Point, Point];
 
@@ -35,7 +36,7 @@ const UNIT = 720 / FLAT.width;
 /** Half a pixel: a change that an eye close to the screen no longer sees. */
 const ALLOWED = 0.5 / UNIT;
 const COUNTS = [1, 64] as const;
-const defaults: State = { count: 6, how: "evenly", control: [[1.5, 1.6], [2.2, 7.6], [8.2, 7.4], [10.6, 1.8]] };
+const defaults: State = { count: 6, how: "evenly", control: SIDE };
 
 interface Texts extends CommonTexts {
   figure: string;

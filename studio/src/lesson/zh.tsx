@@ -232,7 +232,7 @@ export const ZH: LessonText = {
       text: (
         <>
           <p>
-            没有人一个三角形一个三角形地捏茶壶。作者摆的是<Term id="control-point">控制点</Term>：一片曲面十六个，一条曲线四个，这样的曲线叫<Term id="bezier">三次贝塞尔曲线</Term>。它在 t 处的点，是四个控制点按
+            没有人一个三角形一个三角形地捏茶壶。作者摆的是<Term id="control-point">控制点</Term>：一片曲面十六个，一条曲线四个，这样的曲线叫<Term id="bezier">三次贝塞尔曲线</Term>。图中这四个点，画出壶嘴的下沿。曲线在 t 处的点，是四个控制点按
             <Term id="bernstein">伯恩斯坦</Term>权重的混合：
           </p>
           <Formula>
@@ -283,8 +283,8 @@ export const ZH: LessonText = {
       title: "从曲线到曲面",
       text: (
         <p>
-          让曲线的四个点各自沿着一条曲线走，整条曲线就扫出一片曲面：<Term id="tensor-product">张量积</Term>曲面片，4 × 4 个控制点。这只茶壶是马丁·纽维尔（Martin Newell）1975 年画的，由 32
-          片拼成：7 kB 的文本，放多大都是光滑的。
+          让曲线的四个点各自沿着一条曲线走，整条曲线就扫出一片曲面：<Term id="tensor-product">张量积</Term>曲面片，4 × 4 个控制点。图中这一片是半个壶嘴，前面那条曲线就是它的一条边。这只茶壶是马丁·纽维尔（Martin Newell）1975 年画的，由{" "}
+          {say.whole(facts.teapot.patches)} 片拼成：{say.bytes(facts.teapot.bytes)}的文本，放多大都是光滑的。
         </p>
       ),
     },

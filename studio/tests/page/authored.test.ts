@@ -36,7 +36,7 @@ test("bernstein: the construction stays in the figure for every t", async () => 
   const page = await pages.on("bernstein.html", "#v=1");
   const opacities = await page.locator(".weighted .label").evaluateAll((all) => all.map((one) => getComputedStyle(one).fillOpacity));
   expect(opacities, "each name is as dark as the others").toEqual(["1", "1", "1", "1"]);
-  for (const form of isLong ? ["arch", "wave", "loop"] : ["arch", "loop"]) {
+  for (const form of isLong ? ["arch", "wave", "loop", "spout"] : ["loop", "spout"]) {
     await page.locator(`input[name=form][value=${form}]`).check();
     for (const t of ["-0.1", "-0.05", "0.5", "1.05", "1.1"]) {
       await page.locator("#t").fill(t);

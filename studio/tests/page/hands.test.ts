@@ -113,6 +113,12 @@ test("patch: every point has its weight, and half the pixels take more triangles
   const { chosen, control } = (await pages.state("patch")) as { chosen: number; control: number[][] };
   expect(chosen).toBe(5);
   expect(control[5]![2]).toBeGreaterThan(1.8);
+  // Another shape, and back: all points are in their places again.
+  const first = (await pages.state("patch"))["control"] as number[][];
+  await page.getByRole("button", { name: "spout" }).click();
+  await expect.poll(async () => ((await pages.state("patch"))["control"] as number[][])[5]).not.toEqual(first[5]);
+  await page.getByRole("button", { name: "a hill" }).click();
+  await expect.poll(async () => ((await pages.state("patch"))["control"] as number[][])[5]![2]).toBe(1.7);
   await page.locator("input[name=show][value=triangles]").check();
   const coarse = await pages.number("patch");
   await page.locator("#pixels").focus();

@@ -10,7 +10,7 @@ import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import { LESSONS } from "../../src/lesson/languages";
 import { BLOCKS, QUESTIONS } from "../../src/lesson/outline";
 import { patient } from "./exhibit_page";
-import { digits, DIST, Site, type Visit } from "./site";
+import { digits, DIST, ROOT, Site, type Visit } from "./site";
 
 const FILE = "lesson.html";
 const FIGURES = BLOCKS.flatMap(({ figure }) => figure ?? []);
@@ -180,6 +180,39 @@ test("numbers of the text are handles, and follow their figures", async () => {
   await page.locator('[data-figure-of="joins"]').scrollIntoViewIfNeeded();
   await page.locator("#block-joins button.set-of").last().click();
   await expect.poll(() => figure(page, "joins").locator('input[value="C2"]').isChecked()).toBe(true);
+  expect(errors).toEqual([]);
+  await page.context().close();
+});
+
+test("curve and patch are the teapot’s spout, point by point, and come back to it", async () => {
+  const { page, errors } = await calm();
+  const words = readFileSync(join(ROOT, "../examples/teapot.bpt"), "utf8").trim().split(/\s+/).map(Number);
+  // The seventeenth patch: a count, sixteen patches of two degrees and sixteen points, and two degrees stand before.
+  const points = Array.from({ length: 16 }, (_, row) => words.slice(803 + 3 * row, 806 + 3 * row));
+  const spoken = (id: string, name: string) => figure(page, id).getByRole("slider", { name, exact: true }).getAttribute("aria-valuetext");
+  const coordinates = async (id: string, name: string) => ((await spoken(id, name))!.replaceAll("−", "-").match(/-?[\d.]+/g) ?? []).map(Number);
+  const digit = (i: number) => "₀₁₂₃"[i]!;
+  /** Enlarged by one number and moved by one vector, to the hundredth that is spoken. */
+  const expectPlaced = (placed: number[][], from: number[][]) => {
+    const [a, b] = [from[0]!, from.at(-1)!];
+    const axis = b.length - 1;
+    const scale = (placed.at(-1)![axis]! - placed[0]![axis]!) / (b[axis]! - a[axis]!);
+    for (const [i, place] of placed.entries()) for (const [k, x] of place.entries()) expect(x, `point ${i}`).toBeCloseTo(placed[0]![k]! + scale * (from[i]![k]! - a[k]!), 1);
+  };
+  await reach(page, "bernstein");
+  await awake(page, "bernstein");
+  const side = [3, 7, 11, 15].map((row) => [points[row]![0]!, points[row]![2]!]);
+  expectPlaced(await Promise.all([0, 1, 2, 3].map((i) => coordinates("bernstein", `Control point P${digit(i)}`))), side);
+  expect(await figure(page, "bernstein").locator("input[value=spout]").isChecked()).toBe(true);
+  await reach(page, "patch");
+  await awake(page, "patch");
+  const net = () => Promise.all(points.map((_, row) => coordinates("patch", `Control point P${digit(row >> 2)}${digit(row % 4)}`)));
+  const first = await net();
+  expectPlaced(first, points);
+  await figure(page, "patch").getByRole("button", { name: "a hill" }).click();
+  await expect.poll(net).not.toEqual(first);
+  await figure(page, "patch").getByRole("button", { name: "spout" }).click();
+  await expect.poll(net).toEqual(first);
   expect(errors).toEqual([]);
   await page.context().close();
 });

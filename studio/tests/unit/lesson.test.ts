@@ -6,6 +6,8 @@ import { beforeAll, describe, expect, test } from "vitest";
 import { Core } from "../../src/core/module";
 import type { AnyExhibit } from "../../src/exhibits/exhibit";
 import { EXHIBITS } from "../../src/exhibits/index";
+import { read, write } from "../../src/exhibits/fragment";
+import { TO_PLANE } from "../../src/exhibits/spout";
 import { hasPage, loaded } from "../../src/lesson/figures";
 import { LESSONS } from "../../src/lesson/languages";
 import { BLOCKS, blocksOf, QUESTIONS, SECTIONS, STATIONS, TERMS } from "../../src/lesson/outline";
@@ -104,6 +106,61 @@ describe.each(Object.keys(LESSONS))("%s", (language) => {
     for (const block of BLOCKS)
       if (block.figure && block.state)
         expect(Object.keys(figures.get(block.figure)!.defaults), block.id).toEqual(expect.arrayContaining(Object.keys(block.state)));
+  });
+});
+
+describe("the teapot that is carried through", () => {
+  /** The half of the spout as the example's file has it. */
+  const lines = readFileSync(join(ROOT, "../examples/teapot.bpt"), "utf8").trim().split("\n");
+  const start = 1 + 17 * 16;
+  const spout = lines.slice(start + 1, start + 17).map((line) => line.split(" ").map(Number));
+  const side = [3, 7, 11, 15].map((row) => spout[row]!);
+  const stateOf = (id: string) => {
+    const { figure, state } = BLOCKS.find((block) => block.id === id)!;
+    return { ...figures.get(figure!)!.defaults, ...state } as Record<string, unknown>;
+  };
+  /** Whether points are others, all enlarged by one number and moved by one vector. */
+  const isPlaced = (points: readonly (readonly number[])[], from: readonly (readonly number[])[]) => {
+    const size = (list: typeof from) => Math.hypot(...list[0]!.map((x, k) => x - list.at(-1)![k]!));
+    const scale = size(points) / size(from);
+    const off = points.flatMap((point, i) => point.map((x, k) => x - points[0]![k]! - scale * (from[i]![k]! - from[0]![k]!)));
+    return points.length === from.length && off.every((x) => Math.abs(x) < 1e-9);
+  };
+
+  test("is placed by a map that other points are not", () => {
+    expect(lines[start]).toBe("3 3");
+    expect(isPlaced(spout, spout)).toBe(true);
+    expect(isPlaced(spout.map((point, i) => (i === 5 ? [point[0]! + 0.01, ...point.slice(1)] : point)), spout)).toBe(false);
+    expect(isPlaced(figures.get("patch")!.defaults.control, spout)).toBe(false);
+  });
+
+  test("lends its sixteen points to the patch, and a side of that to both curves, exactly", () => {
+    expect(isPlaced(stateOf("patch")["control"] as number[][], spout)).toBe(true);
+    const flat = side.map(([x, , z]) => [x!, z!]);
+    const curves = ["bernstein", "segments"].map((id) => (figures.get(id)!.question(stateOf(id)) as { control: number[][] }).control);
+    for (const curve of curves) expect(isPlaced(curve, flat)).toBe(true);
+    // The core's own curve of the patch at that side is the same one.
+    const { rails } = core.ask("exhibit", { exhibit: "patch", ...figures.get("patch")!.question(stateOf("patch")) } as never) as unknown as { rails: Float32Array[] };
+    const ends = (rail: Float32Array) => [[...rail.slice(0, 3)], [...rail.slice(-3)]];
+    const control = stateOf("patch")["control"] as number[][];
+    expect(ends(rails[3]!)).toEqual([control[3]!, control[15]!].map((point) => point.map(Math.fround)));
+  });
+
+  test("is kept by an address: no point of it has more digits than that stores", () => {
+    for (const id of ["patch", "bernstein"] as const) {
+      const { defaults, parts } = figures.get(id)!;
+      const { state, isDamaged } = read(write(stateOf(id), defaults, parts), defaults, parts);
+      expect([state, isDamaged]).toEqual([stateOf(id), false]);
+    }
+  });
+
+  test("is the curve in the code, too, in the file's own numbers", () => {
+    const wanted = side.map(([x, , z]) => `${x}, ${z}`);
+    for (const [name, pair] of [["segments.py", /\((\d[^()]*)\)/g], ["segments.js", /\[(\d[^[\]]*)\]/g]] as const)
+      expect([...readFileSync(join(CODE, name), "utf8").matchAll(pair)].map((match) => match[1]).filter((found) => found!.includes(".")), name).toEqual(wanted);
+    // What the code prints are the figure's pixels: a unit of the file has so many of them.
+    const scale = Number(/(\d+) \* chain/.exec(readFileSync(join(CODE, "segments.py"), "utf8"))![1]);
+    expect(scale).toBeCloseTo(TO_PLANE.scale * 60);
   });
 });
 

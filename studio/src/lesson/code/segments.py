@@ -1,6 +1,6 @@
 from chordal.shapes import bezier
 
-arch = bezier([(1.5, 1.6), (2.2, 7.6), (8.2, 7.4), (10.6, 1.8)])
+spout = bezier([(1.7, 0.6), (3.1, 0.825), (2.4, 2.025), (3.3, 2.4)])
 for n in (8, 16, 32):
-    chain = arch.flatten(segments=n, spacing="even")
-    print(n, "segments: at most", 60 * chain.bound.at_most, "pixels off")
+    chain = spout.flatten(segments=n, spacing="even")
+    print(n, "segments: at most", 192 * chain.bound.at_most, "pixels off")
