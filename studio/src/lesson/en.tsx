@@ -335,7 +335,7 @@ export const EN: LessonText = {
       title: "Pull the cage",
       text: (
         <p>
-          Move one corner of a cage, and the surface follows: most beside it, here by three eighths, and not at all beyond two rings of faces, which on a cube is everything.
+          Move one corner of a cage, and the surface follows: most beside it, here by {say.number(facts.pull)} of its way, and not at all beyond two rings of faces, which on a cube is everything.
         </p>
       ),
     },
@@ -471,8 +471,8 @@ export const EN: LessonText = {
       title: "What half the error costs",
       text: (
         <p>
-          More triangles shrink the gap to the true surface, round the outline and smooth the shading, and each costs memory and work. Half the error takes about
-          1.4 times the segments on a curve and twice the triangles on a surface, be it patches, a cage or a field. So the first thousand triangles buy almost everything, and
+          More triangles shrink the gap to the true surface, round the outline and smooth the shading, and each costs memory and work. Half the error takes{" "}
+          {say.fixed(facts.budget.curve, 1)} times the segments on a curve and {facts.budget.surfaces.map((times) => say.fixed(times, 1)).join(" to ")} times the triangles on a surface, be it patches, a cage or a field. So the first thousand triangles buy almost everything, and
           the last million almost nothing.
         </p>
       ),
@@ -513,8 +513,8 @@ export const EN: LessonText = {
       ),
       after: (
         <p>
-          Both are one pixel off at most, even in a corner of the screen. That is a quarter of a millimetre on the teapot, and more than a metre on the mountain. Step back to{" "}
-          <Set figure="levels" to={{ stop: 4 }}>six metres</Set>, and the teapot needs {say.whole(facts.levels.far.teapot)}; the mountain does not notice.
+          Both are one pixel off at most, even in a corner of the screen. That is {metres(say, facts.levels.pixel.teapot)} on the teapot, and{" "}
+          {metres(say, facts.levels.pixel.mountain)} on the mountain. Step back to <Set figure="levels" to={{ stop: 4 }}>{metres(say, DISTANCES[4]!)}</Set>, and the teapot needs {say.whole(facts.levels.far.teapot)}; the mountain does not notice.
         </p>
       ),
     },
@@ -533,8 +533,8 @@ export const EN: LessonText = {
       title: "At their true size",
       text: (
         <p>
-          Both in one picture, within two pixels. Move the loupe along an edge: grey is the true surface, blue the triangles, each square a pixel. Every chord is as long as
-          it may be. The teapot, at arm’s length, takes {say.whole(facts.mountain.teapot)} triangles, and this mountain, with more ridges than
+          Both in one picture, within {say.number(facts.mountain.pixels)} pixels. Move the loupe along an edge: grey is the true surface, blue the triangles, each square a
+          pixel. Nowhere do they part by more. The teapot, {metres(say, facts.mountain.distance)} away, takes {say.whole(facts.mountain.teapot)} triangles, and this mountain, with more ridges than
           the last one, {say.whole(facts.mountain.mountain)}.
         </p>
       ),
@@ -636,20 +636,21 @@ export const EN: LessonText = {
       answer: <>{say.whole(facts.tracing.steps)}. The last ones are the shortest: near the surface the value is small.</>,
     },
     overshade: {
-      ask: "Triangles a third of a pixel wide cover the screen. How often is each pixel shaded?",
+      ask: `Triangles with sides of ${SIDES.at(-1)} px cover the screen. How often is each pixel shaded?`,
       unit: "times",
       answer: (
         <>
-          {say.number(facts.overshade.below)} times: a whole 2 × 2 block for every pixel. With triangles of 16 pixels it is {say.number(facts.overshade.above)} times.
+          {say.number(facts.overshade.below)} times: a whole 2 × 2 block for every pixel. With sides of {SIDES[0]} px it is {say.number(facts.overshade.above)} times.
         </>
       ),
     },
     levels: {
-      ask: "A teapot 60 cm away, a mountain range 3 km behind it. Which needs more triangles?",
+      ask: `A teapot ${metres(say, DISTANCES[0]!)} away, a mountain range ${metres(say, facts.levels.behind)} behind it. Which needs more triangles?`,
       options: { teapot: "The teapot", same: "About the same", mountain: "The mountain" },
       answer: (
         <>
-          The teapot: {say.whole(facts.levels.near.teapot)} triangles against {say.whole(facts.levels.near.mountain)}, though the mountain is 15,000 times as wide.
+          The teapot: {say.whole(facts.levels.near.teapot)} triangles against {say.whole(facts.levels.near.mountain)}, though the mountain is {say.whole(facts.levels.wider)}{" "}
+          times as wide.
         </>
       ),
     },
@@ -781,7 +782,7 @@ export const EN: LessonText = {
         answer: (
           <>
             C0: the pieces meet; C1: with the same direction and speed; C2: with the same bending, too, as a camera path needs; for a reflection equal curvature is enough
-            (G2). Many short pieces stay calm and local: lift one of eleven points by 0.15, and beyond its neighbours the spline moves by{" "}
+            (G2). Many short pieces stay calm and local: lift one of eleven points by {say.number(facts.runge.lift)}, and beyond its neighbours the spline moves by{" "}
             {say.number(facts.runge.spline)}, one polynomial by {say.number(facts.runge.polynomial)}.
           </>
         ),

@@ -300,7 +300,7 @@ export const ZH: LessonText = {
     },
     pull: {
       title: "拉一拉控制网格",
-      text: <p>拖动控制网格的一个顶点，曲面跟着动：最近处动得最多，这里走它的八分之三；两圈面以外一点不动，不过立方体一共也就两圈。</p>,
+      text: <p>拖动控制网格的一个顶点，曲面跟着动：最近处动得最多，这里是它移动距离的 {say.number(facts.pull)} 倍；两圈面以外一点不动，不过立方体一共也就两圈。</p>,
     },
     segments: {
       title: "多少段看起来才光滑？",
@@ -409,8 +409,8 @@ export const ZH: LessonText = {
       title: "误差减半的代价",
       text: (
         <p>
-          三角形越多，离真实的曲面越近，轮廓越圆，明暗越匀；每一个也都要占内存、花时间。误差减半，曲线约需 1.4
-          倍的段数，曲面约需两倍的三角形，不论它写成曲面片、控制网格还是场。所以最初的一千个三角形几乎买下了全部，最后的一百万个几乎什么也没买到。
+          三角形越多，离真实的曲面越近，轮廓越圆，明暗越匀；每一个也都要占内存、花时间。误差减半，曲线需{" "}
+          {say.fixed(facts.budget.curve, 1)} 倍的段数，曲面需 {facts.budget.surfaces.map((times) => say.fixed(times, 1)).join(" 到 ")} 倍的三角形，不论它写成曲面片、控制网格还是场。所以最初的一千个三角形几乎买下了全部，最后的一百万个几乎什么也没买到。
         </p>
       ),
     },
@@ -447,7 +447,8 @@ export const ZH: LessonText = {
       ),
       after: (
         <p>
-          两者的误差都至多一个像素，在屏幕的角上也是；同是一个像素，在茶壶上是四分之一毫米，在山上是一米多。退到<Set figure="levels" to={{ stop: 4 }}>六米外</Set>，茶壶只需{" "}
+          两者的误差都至多一个像素，在屏幕的角上也是；同是一个像素，在茶壶上是 {metres(say, facts.levels.pixel.teapot)}，在山上是{" "}
+          {metres(say, facts.levels.pixel.mountain)}。退到 <Set figure="levels" to={{ stop: 4 }}>{metres(say, DISTANCES[4]!)} 外</Set>，茶壶只需{" "}
           {say.whole(facts.levels.far.teapot)} 个三角形，山毫无变化。
         </p>
       ),
@@ -465,7 +466,7 @@ export const ZH: LessonText = {
     },
     mountain: {
       title: "按真实大小",
-      text: <p>把两者放进同一幅画，误差都在两个像素以内。沿着边移动放大镜：灰色是真实的曲面，蓝色是三角形，一格一个像素。每条弦都长到了极限。手边的茶壶要 {say.whole(facts.mountain.teapot)} 个三角形；这座山的山脊比前一座更多，要 {say.whole(facts.mountain.mountain)} 个。</p>,
+      text: <p>把两者放进同一幅画，误差都在 {say.number(facts.mountain.pixels)} 个像素以内。沿着边移动放大镜：灰色是真实的曲面，蓝色是三角形，一格一个像素；两者哪里都不会离得更远。{metres(say, facts.mountain.distance)} 外的茶壶要 {say.whole(facts.mountain.teapot)} 个三角形；这座山的山脊比前一座更多，要 {say.whole(facts.mountain.mountain)} 个。</p>,
     },
   }),
   table: ({ rivals }, say) => (
@@ -557,20 +558,20 @@ export const ZH: LessonText = {
       answer: <>{say.whole(facts.tracing.steps)} 步。最后几步最短，因为离表面越近，值越小。</>,
     },
     overshade: {
-      ask: "三角形只有三分之一像素宽，铺满屏幕。每个像素要着色几次？",
+      ask: `边长只有 ${SIDES.at(-1)} 像素的三角形铺满屏幕。每个像素要着色几次？`,
       unit: "次",
       answer: (
         <>
-          {say.number(facts.overshade.below)} 次：每个像素都要陪上一整个 2 × 2 的块。三角形有 16 像素宽时，是 {say.number(facts.overshade.above)} 次。
+          {say.number(facts.overshade.below)} 次：每个像素都要陪上一整个 2 × 2 的块。边长 {SIDES[0]} 像素时，是 {say.number(facts.overshade.above)} 次。
         </>
       ),
     },
     levels: {
-      ask: "茶壶在 60 厘米外，山在 3 公里外。谁需要的三角形更多？",
+      ask: `茶壶在 ${metres(say, DISTANCES[0]!)} 外，山在它后面 ${metres(say, facts.levels.behind)}。谁需要的三角形更多？`,
       options: { teapot: "茶壶", same: "差不多", mountain: "山" },
       answer: (
         <>
-          茶壶：{say.whole(facts.levels.near.teapot)} 个，山只要 {say.whole(facts.levels.near.mountain)} 个，尽管山的宽度是茶壶的一万五千倍。
+          茶壶：{say.whole(facts.levels.near.teapot)} 个，山只要 {say.whole(facts.levels.near.mountain)} 个，尽管山的宽度是茶壶的 {say.whole(facts.levels.wider)} 倍。
         </>
       ),
     },
@@ -689,7 +690,7 @@ export const ZH: LessonText = {
       joins: {
         ask: "C0、C1、C2 是什么？为什么要许多段低次曲线？",
         answer: (
-          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它；反射只需曲率相等（G2）。许多短的低次曲线安稳，互不牵连：十一个点中的一个抬高 0.15，相邻两点以外，样条最多动{" "}
+          <>C0：两段相接；C1：方向和速度也一致；C2：弯曲也一致，镜头路径要它；反射只需曲率相等（G2）。许多短的低次曲线安稳，互不牵连：十一个点中的一个抬高 {say.number(facts.runge.lift)}，相邻两点以外，样条最多动{" "}
             {say.number(facts.runge.spline)}，一个多项式动 {say.number(facts.runge.polynomial)}。</>
         ),
         figure: "joins",

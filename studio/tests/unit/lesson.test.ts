@@ -8,6 +8,7 @@ import type { AnyExhibit } from "../../src/exhibits/exhibit";
 import { EXHIBITS } from "../../src/exhibits/index";
 import { read, write } from "../../src/exhibits/fragment";
 import { TO_PLANE } from "../../src/exhibits/spout";
+import { factsOf } from "../../src/lesson/facts";
 import { hasPage, loaded } from "../../src/lesson/figures";
 import { LESSONS } from "../../src/lesson/languages";
 import { BLOCKS, blocksOf, QUESTIONS, SECTIONS, STATIONS, TERMS } from "../../src/lesson/outline";
@@ -162,6 +163,19 @@ describe("the teapot that is carried through", () => {
     const scale = Number(/(\d+) \* chain/.exec(readFileSync(join(CODE, "segments.py"), "utf8"))![1]);
     expect(scale).toBeCloseTo(TO_PLANE.scale * 60);
   });
+});
+
+test("words that are numbers are the core's", async () => {
+  const facts = await factsOf((question) => core.ask("exhibit", question as never));
+  // Eleven points; three triangles and holes; the option that is right.
+  expect([facts.runge.points, facts.culling.holes]).toEqual([11, 3]);
+  const { guess } = BLOCKS.find(({ id }) => id === "normals")!;
+  expect(guess).toMatchObject({ right: String(facts.cube.hard) });
+  expect(facts.levels.pixel.mountain / facts.levels.pixel.teapot).toBeGreaterThan(1000);
+  // Near the square root of two on a curve, and two on a surface.
+  const [least, most] = facts.budget.surfaces;
+  expect(Math.abs(facts.budget.curve - Math.SQRT2)).toBeLessThan(0.1);
+  expect([least > 1.7, most < 2.1, least <= most]).toEqual([true, true, true]);
 });
 
 test("takes a quarter of an hour to read, and half an hour with its figures", () => {
