@@ -6,6 +6,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -44,6 +45,21 @@ def test_does_what_the_text_says(run: Callable[[str], tuple[dict[str, Any], str]
     assert has_inside(tetrahedron) and not has_inside(tetrahedron[1:])
     assert not has_inside([(0, 1, 2), *tetrahedron[1:]])
     assert run("casteljau")[0]["casteljau"]([(0, 0), (0, 4), (4, 4), (4, 0)], 0.5) == [2, 3]
+    names, said = run("fan")
+    assert names["fan"](3) == [(0, 1, 2)] and len(names["fan"](6)) == 4
+    # The corner that points inwards, the last one, is on both triangles.
+    ears = [[int(word) for word in line.strip(" []").split()] for line in said.splitlines()]
+    assert len(ears) == 2 and all(3 in face for face in ears)
+    corners = np.array([(1.0, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)])
+    normals = run("normals")[0]["smooth"](corners, np.array([(3, 1, 0), (3, 2, 1), (3, 0, 2), (0, 1, 2)]))
+    assert normals[3] == pytest.approx([-(3**-0.5)] * 3) and np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(4))
+    names, _ = run("patch")
+    assert names["patch"](names["spout"], 1, 0) == pytest.approx(names["spout"][0, 3])
+    # Points in equal steps, so that u and v are places.
+    net = np.array([[(j, i, i * j) for j in range(4)] for i in range(4)])
+    assert names["patch"](net, 0.5, 1 / 3) == pytest.approx([1.5, 1, 1.5])
+    back, both = [float(line.split()[-1]) for line in run("baking")[1].splitlines()[1:]]
+    assert 0 < back < both < 1  # of a teapot 6.4 wide
     ball = run("field")[0]["ball"]
     distance, _ = run("trace")[0]["trace"](lambda p: float(ball([p])[0]), (-3, 0.5, 0), (1, 0, 0))
     assert distance == pytest.approx(3 - 0.75**0.5, abs=0.01)

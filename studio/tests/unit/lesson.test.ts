@@ -162,6 +162,7 @@ describe("the teapot that is carried through", () => {
     // What the code prints are the figure's pixels: a unit of the file has so many of them.
     const scale = Number(/(\d+) \* chain/.exec(readFileSync(join(CODE, "segments.py"), "utf8"))![1]);
     expect(scale).toBeCloseTo(TO_PLANE.scale * 60);
+    expect(readFileSync(join(CODE, "patch.py"), "utf8")).toContain(`skiprows=${start + 1},`);
   });
 });
 
@@ -249,6 +250,30 @@ describe("code", () => {
     const tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     expect([hasInside(tetrahedron), hasInside(tetrahedron.slice(1)), hasInside([[0, 1, 2], ...tetrahedron.slice(1)])]).toEqual([true, false, false]);
     expect(run<(points: P[], t: number) => P>("casteljau", "casteljau")([[0, 0], [0, 4], [4, 4], [4, 0]], 0.5)).toEqual([2, 3]);
+    const corners = (faces: P[]) => [...new Set(faces.flat())].sort();
+    const fan = run<(n: number) => P[]>("fan", "fan");
+    expect([fan(3), fan(6).length, corners(fan(6))]).toEqual([[[0, 1, 2]], 4, [0, 1, 2, 3, 4, 5]]);
+    // The corner that points inwards, the last one, is on both triangles.
+    const ears = run<P[]>("fan", "faces");
+    expect([ears.length, corners(ears), ears.every((face) => face.includes(3))]).toEqual([2, [0, 1, 2, 3], true]);
+    const cube = new three.BufferGeometry().setAttribute("position", new three.Float32BufferAttribute([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], 3));
+    cube.setIndex([0, 3, 2, 0, 2, 1, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7]);
+    const normalsOf = (way: string) => run<(of: three.BufferGeometry) => three.BufferGeometry>("normals", way)(cube).attributes["normal"]!;
+    expect(normalsOf("smooth").count).toBe(8);
+    // Out of the corner at the origin, whose faces all have a side there.
+    expect([0, 1, 2].every((k) => normalsOf("smooth").getComponent(0, k) < 0)).toBe(true);
+    expect([normalsOf("flat").count, ...normalsOf("flat").array.slice(0, 3)]).toEqual([36, 0, 0, -1]);
+    const patch = run<(rows: P[][], u: number, v: number) => P>("patch", "patch");
+    // Points in equal steps, so that u and v are places.
+    const net = [0, 1, 2, 3].map((i) => [0, 1, 2, 3].map((j) => [j, i, i * j]));
+    for (const [k, x] of patch(net, 0.5, 1 / 3).entries()) expect(x).toBeCloseTo([1.5, 1, 1.5][k]!);
+    const bake = run<(f: (p: P) => number, n: number) => unknown>("baking", "bake");
+    const read = run<(samples: unknown, p: P) => number>("baking", "read");
+    const far = ([x, y, z]: P) => Math.hypot(x! - 8, y! - 8, z! - 8) - 5;
+    expect(read(bake(far, 17), [16, 4, 0])).toBeCloseTo(far([16, 4, 0]));
+    expect(Math.abs(read(bake(far, 17), [12.3, 9.6, 10.1]) - far([12.3, 9.6, 10.1]))).toBeLessThan(0.1);
+    // Exact for what is linear along each axis, in whichever order the axes come.
+    expect(read(bake(([x, y, z]) => x! + 10 * y! + 100 * z!, 4), [0.5, 1.25, 2.75])).toBeCloseTo(288);
     const gap = run<(n: number) => number>("segments", "gap");
     expect(gap(16) / gap(32)).toBeGreaterThan(3.5);
     const [ball, normal] = [run<(p: P) => number>("field", "ball"), run<(f: (p: P) => number, p: P) => P>("field", "normal")];
