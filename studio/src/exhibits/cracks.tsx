@@ -7,10 +7,12 @@ import { FRAME } from "./frame_texts";
 import { PAINT } from "./paint";
 import { Scene } from "./Scene";
 import type { Language } from "./say";
+import { SEAM_VIEW } from "./spout";
 
 interface State {
   right: number;
   cut: "own" | "shared";
+  patches: Patches;
   view: View;
 }
 
@@ -27,11 +29,15 @@ interface Answer {
   off: [number, number];
 }
 
-const HOME: View = { azimuth: -128, elevation: 22, distance: 10.5, target: [-0.3, 0, -0.1] };
+type Patches = "hill" | "spout";
+const HOMES: Record<Patches, View> = {
+  hill: { azimuth: -128, elevation: 22, distance: 10.5, target: [-0.3, 0, -0.1] },
+  spout: SEAM_VIEW,
+};
 /** The subdivision of the left patch, which is fixed. */
 const LEFT = 3;
 const COUNTS = [1, 12] as const;
-const defaults: State = { right: 5, cut: "own", view: HOME };
+const defaults: State = { right: 5, cut: "own", patches: "hill", view: HOMES.hill };
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -40,6 +46,8 @@ interface Texts extends CommonTexts {
   cut: string;
   own: string;
   shared: string;
+  patches: string;
+  of: Record<Patches, string>;
   label: string;
   width: string;
   lonely: string;
@@ -59,6 +67,8 @@ const texts: Record<Language, Texts> = {
     cut: "The shared side is cut",
     own: "by each patch",
     shared: "once, for both",
+    patches: "Patches of",
+    of: { hill: "a hill", spout: "a teapot’s spout" },
     label: "Widest crack, in pixels",
     width: "The same as a length",
     lonely: "Vertices without a partner",
@@ -85,6 +95,8 @@ const texts: Record<Language, Texts> = {
     cut: "公共边的剖分",
     own: "各分各的",
     shared: "只分一次，两片共用",
+    patches: "哪两片",
+    of: { hill: "小丘", spout: "壶嘴" },
     label: "最宽裂缝（像素）",
     width: "对应的长度",
     lonely: "没有对应的顶点",
@@ -151,7 +163,7 @@ function Figure({ page }: { page: Page }) {
       help="hint"
       picture={pictureOf(page)}
       view={state.view}
-      home={HOME}
+      home={HOMES[state.patches]}
       look={(view) => set({ view })}
       isStill={isStill}
     />
@@ -199,6 +211,13 @@ function Panel({ page }: { page: Page }) {
         ]}
         choose={(cut) => set({ cut })}
       />
+      <Choice
+        name="patches"
+        legend={texts.patches}
+        value={state.patches}
+        options={(["hill", "spout"] as const).map((value) => ({ value, label: texts.of[value] }))}
+        choose={(patches) => set({ patches, view: HOMES[patches] })}
+      />
       <dl>
         {rows.map(([name, label, value, shown]) => (
           <div key={name}>
@@ -217,12 +236,13 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { right: ["n", number(...COUNTS)], cut: ["c", word("own", "shared")], view: ["o", view] },
+  parts: { right: ["n", number(...COUNTS)], cut: ["c", word("own", "shared")], patches: ["p", word("hill", "spout")], view: ["o", view] },
   // The view is rounded as in the address, so that the same address always gives the same number.
-  question: ({ right, cut, view: from }) => ({
+  question: ({ right, cut, patches, view: from }) => ({
     left: LEFT,
     right,
     cut,
+    patches,
     eye: eyeOf(view.read(view.write(from)) ?? from),
     target: (view.read(view.write(from)) ?? from).target,
   }),

@@ -12,6 +12,8 @@ const TO_SPACE = { scale: 2, shifts: [-5, 0.6, -3] } as const;
 export const SPOUT: readonly Vec3[] = PATCH.flat().map((point) => point.map((x, k) => placed(x, TO_SPACE.scale, TO_SPACE.shifts[k]!)) as unknown as Vec3);
 /** Seen so that no two of its points are close together in the picture. */
 export const SPOUT_VIEW: View = { azimuth: -62, elevation: 38, distance: 8.8, target: [0, -0.05, -0.05] };
+/** From below, where its halves meet: the background is behind the crack between them. The core places them so. */
+export const SEAM_VIEW: View = { azimuth: -125, elevation: -26, distance: 9.8, target: [0, 0, -0.1] };
 
 /** In the plane, x to the right and z up: as large as leaves room for the names of its points. */
 export const TO_PLANE = { scale: 3.2, shifts: [-2, -0.8] } as const;

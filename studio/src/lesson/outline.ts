@@ -1,6 +1,6 @@
 // The lesson's structure, which both languages share: sections, the blocks in them, their figures with a first state, guesses,
 // code, terms and questions. The texts of a language are in en.tsx and zh.tsx; a test holds that they fill every place.
-import { SPOUT, SPOUT_VIEW } from "../exhibits/spout";
+import { SEAM_VIEW, SPOUT, SPOUT_VIEW } from "../exhibits/spout";
 import type { Facts } from "./facts";
 
 /** A prediction before the reveal. */
@@ -88,7 +88,7 @@ export const SECTIONS = [
         guess: { kind: "number", answer: (facts) => facts.segments.seen },
         code: "segments",
       },
-      { id: "cracks", figure: "cracks" },
+      { id: "cracks", figure: "cracks", state: { patches: "spout", view: SEAM_VIEW } },
     ],
   },
   {

@@ -125,6 +125,12 @@ test("cracks: different numbers crack, equal ones do not, and a side that is cut
     expect(await pages.number("cracks"), right).toBe(0);
     expect([await digits(page, "components"), await digits(page, "lonely")]).toEqual([1, 0]);
   }
+  await page.locator("input[name=patches][value=spout]").check();
+  expect(await pages.number("cracks")).toBe(0);
+  await page.locator("input[name=cut][value=own]").check();
+  expect(await pages.number("cracks")).toBeGreaterThan(1);
+  await page.locator("#right").fill("3");
+  expect(await pages.number("cracks")).toBe(0);
 });
 
 test("cage: each round has four times the faces and leaves about a quarter of the error, and a crease delays that", async () => {

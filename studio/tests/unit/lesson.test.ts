@@ -147,6 +147,20 @@ describe("the teapot that is carried through", () => {
     expect(ends(rails[3]!)).toEqual([control[3]!, control[15]!].map((point) => point.map(Math.fround)));
   });
 
+  test("cracks along the same curve, at the vertices that both halves have", () => {
+    const { seams } = core.ask("exhibit", { exhibit: "cracks", ...figures.get("cracks")!.question(stateOf("cracks")) } as never) as unknown as { seams: Float32Array[] };
+    const on = (t: number) => [0, 1, 2].map((k) => [(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t ** 3].reduce((sum, w, i) => sum + w * side[i]![k]!, 0));
+    for (const seam of seams) {
+      const count = seam.length / 3 - 1;
+      expect(count).toBeGreaterThan(2);
+      // Turned by a quarter, since the shared side of the figure is at x = 0; from the tip to the belly.
+      const wanted = Array.from({ length: count + 1 }, (_, i) => on(1 - i / count)).map(([x, y, z]) => [y!, -x!, z!]);
+      const found = Array.from({ length: count + 1 }, (_, i) => [...seam.subarray(3 * i, 3 * i + 3)]);
+      const scale = (found[0]![2]! - found[count]![2]!) / (wanted[0]![2]! - wanted[count]![2]!);
+      for (const [i, point] of found.entries()) for (const [k, x] of point.entries()) expect(x - found[0]![k]!, `${i} of ${count}`).toBeCloseTo(scale * (wanted[i]![k]! - wanted[0]![k]!), 5);
+    }
+  });
+
   test("is kept by an address: no point of it has more digits than that stores", () => {
     for (const id of ["patch", "bernstein"] as const) {
       const { defaults, parts } = figures.get(id)!;

@@ -2,7 +2,7 @@
 //! not.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
-use super::shapes::mesh_from;
+use super::shapes::{mesh_from, teapot};
 use chordal::budget::View;
 use chordal::budget::camera::{Camera, Projection, Screen};
 use chordal::check::curves::{distance_to_polyline, largest_gap};
@@ -22,14 +22,18 @@ const FOV_Y_DEG: f64 = 28.0; // as in studio/src/viewer/view.ts
 /// The samples of each segment at which the width of the crack is measured. Chosen: more hardly change it.
 const SAMPLES: u32 = 16;
 
-/// Answers `{"left": 3, "right": 4, "cut": "own" | "shared", "eye": [x, y, z], "target": …}`: two patches
-/// that share a side, and the width of the crack there. With "own" each patch is a grid of its own number;
-/// with "shared" both are meshed together, with the error of the second number as the tolerance.
+/// Answers `{"left": 3, "right": 4, "cut": "own" | "shared", "patches": "hill" | "spout", "eye": [x, y, z],
+/// "target": …}`: two patches that share a side, and the width of the crack there. With "own" each patch is
+/// a grid of its own number; with "shared" both are meshed together, with the error of the second number as
+/// the tolerance.
 pub(super) fn cracks(request: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    request.only(&["left", "right", "cut", "eye", "target"])?;
+    request.only(&["left", "right", "cut", "patches", "eye", "target"])?;
     let counts = [request.number("left", COUNTS)? as u32, request.number("right", COUNTS)? as u32];
     let [eye, target] = [request.point::<3>("eye")?, request.point::<3>("target")?];
-    let patches = hill();
+    let patches = match request.word_or("patches", &["hill", "spout"], "hill")? {
+        "spout" => spout(),
+        _ => hill(),
+    };
     let curve = CurveSegment::Cubic(patches[1].side(PatchSide::Left));
     let curve = Curve::new(vec![curve], CurveEnds::Open).map_err(|error| error.to_string())?;
     let sides = counts.map(|count| side(&curve, count));
@@ -94,6 +98,18 @@ fn hill() -> [Patch; 2] {
     [patch(-3.0, [0.25, 0.6, 1.0, 1.0]), patch(0.0, [1.0, 1.0, 0.6, 0.25])]
 }
 
+/// The lower halves of two patches of the teapot, which share the lower side of its spout, at x = 0.
+fn spout() -> [Patch; 2] {
+    const SCALE: f64 = 2.0; // chosen: as large as the hill
+    // In the file its left half is row 16 and its right one row 17, and the side that they share is at y = 0.
+    let place = |[x, y, z]: [f64; 3]| [SCALE * y, SCALE * (2.5 - x), SCALE * (z - 1.5)];
+    let placed = |patch: Patch| Patch { control: patch.control.map(|points| points.map(place)) };
+    let patches = teapot();
+    // Whole, they would share the upper side, too, and the crack of that would not be measured.
+    let [[_, left], [right, _]] = [16, 17].map(|row: usize| patches[row].halves_u());
+    [left, right].map(placed)
+}
+
 /// The side in equal steps.
 fn side(curve: &Curve<3>, count: u32) -> Polyline<3> {
     let places: Vec<f64> = (0..=count).map(|i| f64::from(i) / f64::from(count)).collect();
@@ -118,7 +134,7 @@ fn grids(patches: &[Patch; 2], counts: [u32; 2]) -> Result<Mesh, String> {
     mesh_from(positions, faces)
 }
 
-/// The vertices of a mesh on the shared side, in its order.
+/// The vertices of a mesh on the shared side, along which y only falls or only grows.
 fn seam_of(mesh: &Mesh) -> Polyline<3> {
     // Exactly 0, as are all control points of the side.
     let mut points: Vec<[f64; 3]> = mesh.positions().iter().filter(|p| p[0] == 0.0).copied().collect();
@@ -153,9 +169,9 @@ const ROUNDING: f64 = 16.0 * 4.0 * f64::EPSILON;
 mod tests {
     use super::*;
 
-    fn facts_of(left: u32, right: u32, cut: &str) -> serde_json::Value {
+    fn facts_of(patches: &str, left: u32, right: u32, cut: &str) -> serde_json::Value {
         let question = format!(
-            r#"{{"exhibit": "cracks", "left": {left}, "right": {right}, "cut": "{cut}",
+            r#"{{"exhibit": "cracks", "left": {left}, "right": {right}, "cut": "{cut}", "patches": "{patches}",
                 "eye": [6, -9, 5], "target": [0, 0, 0]}}"#
         );
         cracks(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
@@ -163,19 +179,24 @@ mod tests {
 
     #[test]
     fn different_numbers_crack_and_one_shared_side_does_not() {
-        for (left, right) in [(3, 4), (3, 5), (3, 6), (4, 16), (5, 1)] {
-            let own = facts_of(left, right, "own");
-            assert!(own["pixels"].as_f64().unwrap() > 1.0 && own["lonely"].as_u64().unwrap() > 0, "{own}");
-            assert_eq!(own["components"], json!(2));
-            let shared = facts_of(left, right, "shared");
-            assert_eq!((&shared["pixels"], &shared["lonely"]), (&json!(0.0), &json!(0)));
-            assert_eq!((&shared["components"], &shared["boundary_loops"]), (&json!(1), &json!(1)));
-        }
-        for n in 1..=16 {
-            let same = facts_of(n, n, "own");
-            assert_eq!((&same["pixels"], &same["components"]), (&json!(0.0), &json!(1)), "{n}");
+        for patches in ["hill", "spout"] {
+            for (left, right) in [(3, 4), (3, 5), (3, 6), (4, 16), (5, 1)] {
+                let own = facts_of(patches, left, right, "own");
+                assert!(
+                    own["pixels"].as_f64().unwrap() > 1.0 && own["lonely"].as_u64().unwrap() > 0,
+                    "{own}"
+                );
+                assert_eq!(own["components"], json!(2));
+                let shared = facts_of(patches, left, right, "shared");
+                assert_eq!((&shared["pixels"], &shared["lonely"]), (&json!(0.0), &json!(0)));
+                assert_eq!((&shared["components"], &shared["boundary_loops"]), (&json!(1), &json!(1)));
+            }
+            for n in 1..=16 {
+                let same = facts_of(patches, n, n, "own");
+                assert_eq!((&same["pixels"], &same["components"]), (&json!(0.0), &json!(1)), "{patches} {n}");
+            }
         }
         // An arch of height 1.95 in the place of its chord.
-        assert!((facts_of(5, 1, "own")["off"][1].as_f64().unwrap() - 0.75 * 2.6).abs() < 1e-9);
+        assert!((facts_of("hill", 5, 1, "own")["off"][1].as_f64().unwrap() - 0.75 * 2.6).abs() < 1e-9);
     }
 }
