@@ -1,5 +1,5 @@
 // The interface of an exhibit: a state in the address, a question to the core, a figure with a handle, a live number, texts.
-import type { ComponentChildren, ComponentType } from "preact";
+import type { ComponentChildren, ComponentType, FunctionComponent } from "preact";
 import type { Parts } from "./fragment";
 import type { Language, Say } from "./say";
 
@@ -47,7 +47,8 @@ export interface Exhibit<S extends object, A, T extends CommonTexts> {
   texts: Record<Language, T>;
   number(page: Page<S, A, T>): LiveNumber;
   Figure: ComponentType<{ page: Page<S, A, T> }>;
-  Panel: ComponentType<{ page: Page<S, A, T> }>;
+  /** The controls and further numbers, one below the other in a fragment. */
+  Panel: FunctionComponent<{ page: Page<S, A, T> }>;
 }
 
 export type AnyExhibit = Exhibit<any, any, any>;

@@ -137,23 +137,26 @@ export function LessonPage(props: LessonProps) {
         <section id="terms">
           <h2>{words.terms}</h2>
           <p class="aside">{words.termsLead}</p>
-          <dl class="terms">
-            {TERMS.map((id) => {
-              const { word, formula, gloss } = text.terms[id];
-              return (
-                <div id={`term-${id}`} key={id}>
-                  <dt>
-                    {word}{" "}
-                    <a class="back" href={`#use-${id}`} aria-label={`${words.backToText}: ${word}`}>
-                      ↑
-                    </a>
-                  </dt>
-                  {formula && <dd class="formula">{formula}</dd>}
-                  <dd>{gloss}</dd>
-                </div>
-              );
-            })}
-          </dl>
+          <details data-fold open>
+            <summary>{words.showTerms}</summary>
+            <dl class="terms">
+              {TERMS.map((id) => {
+                const { word, formula, gloss } = text.terms[id];
+                return (
+                  <div id={`term-${id}`} key={id}>
+                    <dt>
+                      {word}{" "}
+                      <a class="back" href={`#use-${id}`} aria-label={`${words.backToText}: ${word}`}>
+                        ↑
+                      </a>
+                    </dt>
+                    {formula && <dd class="formula">{formula}</dd>}
+                    <dd>{gloss}</dd>
+                  </div>
+                );
+              })}
+            </dl>
+          </details>
         </section>
       </main>
       <footer>
@@ -231,7 +234,12 @@ function Block(props: BlockProps) {
         {block.after && <div class="after">{block.after}</div>}
       </div>
       {plan.twoAnswers && <TwoAnswers points={text.words.asPoints} rule={text.words.asRule} />}
-      {plan.table && text.table(facts, new Say(language))}
+      {plan.table && (
+        <details data-fold open>
+          <summary>{text.words.showTable}</summary>
+          {text.table(facts, new Say(language))}
+        </details>
+      )}
       {plan.figure && <PlacedFigure {...props} figure={plan.figure} />}
       {plan.code && <Code name={plan.code} code={code} words={text.words} />}
     </article>
@@ -252,6 +260,7 @@ function PlacedFigure({ plan, figure, stills, language, text }: BlockProps & { f
       data-figure-of={figure}
       data-state={JSON.stringify(plan.state ?? {})}
       {...(plan.guess ? { "data-locked": plan.id } : {})}
+      {...(plan.isByHand ? { "data-by-hand": "" } : {})}
     >
       <div class="bench">
         <Bench
@@ -262,6 +271,7 @@ function PlacedFigure({ plan, figure, stills, language, text }: BlockProps & { f
           language={language}
           isStill
           isAwake={false}
+          isByHand={plan.isByHand ?? false}
           notes={[]}
           set={nothing}
         />
@@ -323,7 +333,7 @@ const LANGUAGES_OF_CODE = [
 
 function Code({ name, code, words }: { name: string; code: ReadonlyMap<string, string>; words: Words }) {
   return (
-    <div class="code" data-copy={words.copy} data-copied={words.copied}>
+    <div class="code" data-fold={words.code} data-copy={words.copy} data-copied={words.copied}>
       {LANGUAGES_OF_CODE.map(([ending, label]) => (
         <details key={ending} data-code={ending} open={ending === "py"}>
           <summary>{label}</summary>

@@ -22,6 +22,7 @@ export function code(): void {
   for (const block of blocks) {
     const bar = document.createElement("p");
     bar.className = "code-bar";
+    bar.append(fold(block));
     for (const part of block.querySelectorAll<HTMLDetailsElement>("details")) {
       const tab = document.createElement("button");
       Object.assign(tab, { type: "button", textContent: part.querySelector("summary")!.textContent });
@@ -48,6 +49,18 @@ export function code(): void {
     block.prepend(bar);
   }
   choose(chosen);
+}
+
+/** On a narrow screen the code is folded, and this opens it; elsewhere it is not shown (narrow.css). */
+function fold(block: HTMLElement): HTMLButtonElement {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", className: "fold", textContent: block.dataset["fold"] });
+  button.setAttribute("aria-expanded", "false");
+  button.addEventListener("click", () => {
+    const isOpen = block.classList.toggle("unfolded");
+    button.setAttribute("aria-expanded", String(isOpen));
+  });
+  return button;
 }
 
 function remembered(): string | null {

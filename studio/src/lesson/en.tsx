@@ -44,6 +44,8 @@ export const EN: LessonText = {
     copied: "Copied",
     terms: "The words",
     termsLead: "Every term of the lesson, with its formula where it has one.",
+    showTerms: "Show all terms",
+    showTable: "Show the table",
     backToText: "Back to the text",
     closeTerm: "Close",
     turn: "Turn the card",

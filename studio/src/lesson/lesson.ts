@@ -67,6 +67,8 @@ export interface Words {
   copied: string;
   terms: string;
   termsLead: string;
+  showTerms: string;
+  showTable: string;
   backToText: string;
   closeTerm: string;
   turn: string;

@@ -100,6 +100,7 @@ export class Placed {
         language={language}
         isStill={false}
         isAwake={isAwake}
+        isByHand={"byHand" in this.element.dataset}
         notes={this.notes}
         set={(change) => run.set(change)}
       />,

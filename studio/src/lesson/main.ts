@@ -1,6 +1,7 @@
 // Makes the lesson's page work. What the text needs is here and small; figures are loaded when they are about to be seen.
 import { cards } from "./cards";
 import { code } from "./code_tabs";
+import { folds } from "./folds";
 import { guesses } from "./guesses";
 import { own } from "./own/begin";
 import { terms } from "./terms";
@@ -10,6 +11,7 @@ terms();
 code();
 guesses();
 cards();
+folds();
 own();
 html.dataset["scripted"] = "1";
 void import("./live").then(({ live }) => {

@@ -15,6 +15,8 @@ export interface BlockPlan {
   figure?: string;
   /** What differs from the exhibit's own initial state. */
   state?: Record<string, unknown>;
+  /** Its first control repeats what the hand does in the picture, and is folded with the others on a narrow screen. */
+  isByHand?: true;
   /** Asked before the figure, whose number is covered until then. */
   guess?: GuessPlan;
   /** A file's name in code/, without its ending. */
@@ -41,10 +43,10 @@ export const SECTIONS = [
   {
     id: "atom",
     blocks: [
-      { id: "plane", figure: "quad", guess: { kind: "choice", options: ["up", "down", "both"], right: "both" } },
+      { id: "plane", figure: "quad", isByHand: true, guess: { kind: "choice", options: ["up", "down", "both"], right: "both" } },
       { id: "inside", figure: "inside", code: "inside" },
       { id: "pixels", figure: "pixels" },
-      { id: "weights", figure: "weights", code: "blend" },
+      { id: "weights", figure: "weights", isByHand: true, code: "blend" },
       { id: "tangent", figure: "tangent" },
       { id: "fan", figure: "fan", code: "fan" },
     ],
@@ -67,14 +69,14 @@ export const SECTIONS = [
         guess: { kind: "choice", options: ["8", "24", "36"], right: "24" },
         code: "normals",
       },
-      { id: "winding", figure: "culling" },
+      { id: "winding", figure: "culling", isByHand: true },
       { id: "manifold", figure: "doctor", code: "check" },
     ],
   },
   {
     id: "smooth",
     blocks: [
-      { id: "bernstein", figure: "bernstein", state: { form: "spout" }, code: "casteljau" },
+      { id: "bernstein", figure: "bernstein", state: { form: "spout" }, isByHand: true, code: "casteljau" },
       { id: "runge", figure: "runge", guess: { kind: "choice", options: ["near", "half", "everywhere"], right: "everywhere" } },
       { id: "spline", figure: "spline" },
       { id: "joins", figure: "joins" },

@@ -43,6 +43,8 @@ export const ZH: LessonText = {
     copied: "已复制",
     terms: "术语",
     termsLead: "本页用到的全部术语；有公式的，附上公式。",
+    showTerms: "展开全部术语",
+    showTable: "展开对照表",
     backToText: "回到正文",
     closeTerm: "关闭",
     turn: "翻开",
