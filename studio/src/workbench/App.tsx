@@ -84,11 +84,11 @@ export function App({ language, state, control }: Props) {
   const moved = (place: number) => {
     if (!control || !isScript(bench) || state.ended !== bench) return;
     const line = textOf(bench).slice(0, place).split("\n").length;
-    void control.trace().then((trace) => trace?.bench === control.state.bench && setChosen(trace.sites.filter((site) => site.line === line)));
+    void control.onDemand.trace().then((trace) => trace?.bench === control.state.bench && setChosen(trace.sites.filter((site) => site.line === line)));
   };
   const tapped = (at?: Vec3, normal?: Vec3) => {
     if (!at || !normal) return setChosen([]);
-    void control?.trace().then((trace) => {
+    void control?.onDemand.trace().then((trace) => {
       const site = trace?.bench === control.state.bench ? siteAt(trace, at, normal) : undefined;
       setChosen(site ? [site] : []);
       if (!site) return;

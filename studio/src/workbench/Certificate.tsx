@@ -77,7 +77,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
         <button
           type="button"
           onClick={() => {
-            const at = control.place(bound.at!);
+            const at = control.sight.place(bound.at!);
             mark([at]);
             control.look(towards(at, state.view, state.home));
           }}

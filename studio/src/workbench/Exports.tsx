@@ -22,7 +22,7 @@ export function Exports({ page }: { page: Page }) {
   const [isCopied, setCopied] = useState(false);
   const output = `${stem(bench.name)}.glb`;
   const line = control?.line(output) ?? meshLine(bench, NO_SCREEN, output);
-  const screen = control?.screen ?? NO_SCREEN;
+  const screen = control?.sight.screen ?? NO_SCREEN;
   const shownName = line.at(-1)!;
   const text =
     language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, shownName) : rust(bench, screen, shownName);

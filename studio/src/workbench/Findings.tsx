@@ -19,7 +19,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
       {findings.length === 0 && <p class="good">{words.sound}</p>}
       <ul>
         {findings.map((finding) => {
-          const places = state.witnesses.filter(({ of }) => of === finding.of).map(({ at }) => control?.place(at) ?? at);
+          const places = state.witnesses.filter(({ of }) => of === finding.of).map(({ at }) => control?.sight.place(at) ?? at);
           const advice = adviceIn(language, finding);
           const show = (at: Vec3) => {
             mark(places);

@@ -130,7 +130,7 @@ function BudgetBar({ page }: { page: Page }) {
   const { bench } = state;
   const { budget } = bench;
   const put = (change: Partial<Bench["budget"]>) => control?.put({ ...bench, budget: { ...budget, ...change } });
-  const hint = budget.by === "px" ? words.budgetHints.px(control ? viewText(control.screen) : "", control?.isNear ?? false) : words.budgetHints[budget.by];
+  const hint = budget.by === "px" ? words.budgetHints.px(control ? viewText(control.sight.screen) : "", control?.sight.isNear ?? false) : words.budgetHints[budget.by];
   return (
     <div class="budget">
       <Choice

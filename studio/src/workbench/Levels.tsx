@@ -13,12 +13,12 @@ export function Levels({ page }: { page: Page }) {
   const { words, say, state, control } = page;
   const { levels, view, home } = state;
   const now = levelAt(page);
-  const away = control?.away ?? view.distance;
+  const away = control?.sight.away ?? view.distance;
   return (
     <section class="panel">
       <h2>{words.levels}</h2>
       {!levels && (
-        <button type="button" disabled={!state.shown || isBroken(state)} onClick={() => void control?.levels()}>
+        <button type="button" disabled={!state.shown || isBroken(state)} onClick={() => void control?.onDemand.levels()}>
           {words.makeLevels}
         </button>
       )}
@@ -57,7 +57,7 @@ const ROUNDING = 1e-3;
 /** The error of a level, and its size on the screen from the current distance. */
 function errorOf({ words, say, control }: Page, { at_least, at_most }: LevelFacts): string {
   if (at_most === null || !control) return words.atLeast(say.number(at_least));
-  const screen = { ...control.screen, distance: control.away };
+  const screen = { ...control.sight.screen, distance: control.sight.away };
   const pixels = pixelsOf(at_most, screen);
   const from = pixels > PIXELS * (1 + ROUNDING) ? say.number(distanceOf(at_most, PIXELS, screen)) : null;
   return words.levelError(say.number(at_most), Number.isFinite(pixels) ? say.number(pixels) : null, from);
@@ -67,7 +67,7 @@ function errorOf({ words, say, control }: Page, { at_least, at_most }: LevelFact
 export function levelAt({ state, control }: Page): number | null {
   const { levels } = state;
   if (!levels || !control) return null;
-  const { away } = control;
+  const { away } = control.sight;
   const coarsest = levels.facts.findLastIndex(({ distance }) => distance <= away);
   return Math.max(coarsest, 0);
 }

@@ -27,7 +27,7 @@ export function Script({ page }: { page: Page }) {
         moved: (place) => latestPage.current.link?.moved(place),
         change: (text, isDragging) => latestPage.current.control?.write(text, isDragging),
       });
-      void control.language().then(async (table) => {
+      void control.onDemand.language().then(async (table) => {
         if (table) editor.current?.setTable(await tableIn(language, table.functions), table.words);
       });
     });

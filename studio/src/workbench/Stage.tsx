@@ -100,7 +100,7 @@ export function Stage({ page, marked, layout, covered, step, unit, extra, chosen
     [covered.left, covered.right, covered.top, covered.bottom],
   );
   const room = roomFor(size, { width: size.width - covered.left - covered.right, height: size.height - covered.top - covered.bottom - TOOLS_HEIGHT });
-  useEffect(() => control?.makeRoom(room), [control, room]);
+  useEffect(() => control?.sight.makeRoom(room), [control, room]);
   const centre = [size.width / 2 + shift[0], size.height / 2 + shift[1]] as const;
   const under = (x: number, y: number) => {
     const from = projector(control!.state.view, { ...size, shift });
@@ -434,7 +434,7 @@ export function Beside({ page }: { page: Page }) {
         />
       )}
       {isSliced && !slice && (
-        <button type="button" onClick={() => void control?.bake()}>
+        <button type="button" onClick={() => void control?.onDemand.bake()}>
           {words.bakeForSlice}
         </button>
       )}

@@ -39,7 +39,7 @@ export function Touching({ page, mark }: { page: Page; mark(places: readonly Vec
   const n = shown.certificate.valid?.non_manifold_edges ?? 0;
   if (!touches(shown.certificate)) return null;
   const go = (at: Vec3) => {
-    const place = control!.place(at);
+    const place = control!.sight.place(at);
     mark([place]);
     control!.look(towards(place, state.view, state.home));
   };

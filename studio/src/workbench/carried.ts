@@ -34,7 +34,7 @@ const NAME = /^[^/\\.][^/\\]{0,80}\.star$/i;
 /** The script that an opened file carries, with the parameters and the budget of its mesh; `null` if there is none. */
 export async function carriedBy(control: Controller, file: Bench): Promise<Bench | null> {
   if (!MAY_CARRY.test(file.name)) return null;
-  const run = await control.runSupported("inspect", ["inspect", file.name], file.files, true);
+  const run = await control.runs.runSupported("inspect", ["inspect", file.name], file.files, true);
   const { inspection } = run ? reportOf(run.outcome) : {};
   const certificate = inspection?.found?.certificate;
   const [source] = certificate?.sources ?? [];
@@ -75,7 +75,7 @@ export async function verifyCarried(control: Controller, file: Bench, script: Be
   control.change({ carried });
   // What the file does not carry, such as fonts, the script has been given.
   const { [script.name]: _, ...beside } = script.files;
-  const run = await control.runSupported("verify", ["verify", file.name], { ...beside, ...file.files }, true);
+  const run = await control.runs.runSupported("verify", ["verify", file.name], { ...beside, ...file.files }, true);
   if (control.state.carried !== carried) return;
   const report = run ? (reportOf(run.outcome) as { verdict?: Carried["verdict"]; claims?: { claim: string; verdict: string; reason?: string }[] }) : {};
   const open = report.claims?.find(({ verdict }) => verdict !== "re-proved");

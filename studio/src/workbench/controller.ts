@@ -1,49 +1,27 @@
-// Holds the state of the workbench, starts runs of the command, and notifies the view. It computes nothing itself.
-// Long because all runs share one state, and each decides from it whether it is still wanted.
-import type { Files, Outcome } from "../core/command";
-import { type Jobs, Stopped } from "../core/jobs";
-import type { Size, Vec3, View } from "../viewer";
-import { fovOf, framed } from "../viewer/view";
-import {
-  type Bench,
-  type Line,
-  type Screen,
-  bench,
-  isMesh,
-  isScript,
-  meshLine,
-  reading,
-  stem,
-  textOf,
-  viewText,
-  withText,
-  without,
-} from "./document";
+// What may be done on the workbench: it replaces the input, and decides which runs of the command that starts and whether their
+// results are still wanted. The state is in store.ts, a run in runs.ts, the view in sight.ts, what is run only when asked for in
+// on_demand.ts.
+import type { Files } from "../core/command";
+import type { Jobs } from "../core/jobs";
+import type { Size, View } from "../viewer";
+import { framed } from "../viewer/view";
+import { type Bench, type Line, bench, isMesh, isScript, meshLine, outputOf, reading, stem, textOf, withText, without } from "./document";
 import { carriedBy, verifyCarried } from "./carried";
-import type { FunctionRow } from "./editor";
-import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, upOf, withPictures } from "./glb";
+import { partToZUp, parts as partsOf, readOrUndefined, upOf, withPictures } from "./glb";
 import { MOST_FAULTS, inScript, isFurther, isMendable, withCause, withoutFault } from "./faults";
 import type { Cupboard } from "./cupboard";
 import { FieldSource } from "./field_source";
+import { OnDemand } from "./on_demand";
 import { opened } from "./opened";
-import { type Fault, KEEP_BEST, faultOf, madeBy, reportOf, sliceOf } from "./outcome";
-import { type Box, awayFrom, fillingDistance } from "./pixels";
+import { type Fault, faultOf, madeBy, reportOf } from "./outcome";
 import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
+import { Runs, keepingBest } from "./runs";
 import { pack } from "./share";
 import { type Lack, lackOf, suits, supplied } from "./lack";
-import { HOME, framing } from "./stage/framing";
-import type { Trace } from "./trace/faces";
-import { shadowOf } from "./trace/shadow";
-import { withLeft } from "./progress";
 import type { Shelf } from "./shelf";
+import { Sight } from "./sight";
 import type { LaneName, Notice, Shown, State } from "./state";
-
-/** A part of docs/schema/language.schema.json. */
-interface LanguageTable {
-  functions: readonly (Omit<FunctionRow, "worth"> & { worth: string | null })[];
-  constants?: readonly (string | { name: string })[];
-  keywords?: readonly string[];
-}
+import { Store } from "./store";
 
 /** The pause after the last change before the proof starts, and after a turn before a picture is rendered. */
 const REST_MS = 250;
@@ -52,67 +30,44 @@ const DRAFT = "1.5%";
 const MOST_STEPS = 100;
 /** Typing without a longer pause than this is one step of undo. */
 const PAUSE_MS = 1000;
-/**
- * Pixels are never counted for a distance nearer than these shares of the one at which the shape fills the picture's height.
- * Chosen: a view from near may at most about double the budget's triangles, because the proof runs unasked; levels run on demand.
- */
-const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
 /** A mesh file of more bytes is shown as it is before its own mesh is made. Chosen: a smaller one takes less than a second. */
 const SHOWN_FIRST = 1e6;
-/** The command's exit code for an unknown option. */
-const USAGE = 2;
 /** Pixels of a ray-traced picture: as many as take about a second. */
 const MOST_DOTS = 120_000;
-/** Cells along the longest side of a slice; each is shown as one or two pixels. */
-const SLICE_CELLS = "96";
 
 export class Controller {
   private timers = new Map<string, ReturnType<typeof setTimeout>>();
-  /** The shape for which the view was set last, and that view. */
-  private framed: { name: string; up: string | null; view: View } | null = null;
-  state: State;
+  readonly store: Store;
+  readonly runs: Runs;
+  readonly sight: Sight;
+  readonly onDemand: OnDemand;
+  private readonly fieldSource: FieldSource;
   /** The scripts that this browser keeps; `null` while pages are written. */
   shelf: Shelf | null = null;
   /** The files that scripts were given in this browser; `null` while pages are written, and in tests. */
   cupboard: Cupboard | null = null;
-  private readonly fieldSource = new FieldSource({
-    state: () => this.state,
-    update: (change) => this.update(change),
-    run: (line, files) => this.run("field", line, files, true),
-  });
 
-  constructor(
-    private readonly jobs: Jobs<LaneName>,
-    first: Bench,
-    private readonly notify: () => void,
-  ) {
-    this.state = {
-      bench: first,
-      past: [],
-      future: [],
-      shown: null,
-      fault: null,
-      moreFaults: [],
-      inspection: null,
-      witnesses: [],
-      progress: {},
-      running: [],
-      beside: "traced",
-      picture: null,
-      field: null,
-      slice: null,
-      levels: null,
-      trace: null,
-      view: HOME,
-      home: HOME,
-      size: { width: 720, height: 480 },
-      notice: null,
-      exported: null,
-      carried: null,
-      link: null,
-      isWaiting: false,
-      ended: null,
-    };
+  constructor(jobs: Jobs<LaneName>, first: Bench, notify: () => void) {
+    this.store = new Store(first, notify);
+    this.runs = new Runs(jobs, this.store);
+    this.sight = new Sight(this.store);
+    this.onDemand = new OnDemand(this.store, this.runs, this.sight);
+    this.fieldSource = new FieldSource({
+      state: () => this.state,
+      update: (change) => this.update(change),
+      run: (line, files) => this.runs.run("field", line, files, true),
+    });
+  }
+
+  get state(): State {
+    return this.store.state;
+  }
+  private update(change: Partial<State>): void {
+    this.store.update(change);
+  }
+  /** Resolves as soon as the state is as a test asks. */
+  until(test: (state: State) => boolean): Promise<void> {
+    return this.store.until(test);
   }
 
   /** Starts the runs for the first input. */
@@ -120,60 +75,18 @@ export class Controller {
     this.restart(false);
   }
 
-  get screen(): Screen {
-    const { bench: current, size, view } = this.state;
-    const { proofScreen } = this;
-    // The screen of the current proof, because the box that is known only since must not change its command line.
-    if (proofScreen && proofScreen.bench === current && proofScreen.view === view && proofScreen.size === size) return proofScreen.screen;
-    return this.screenBy(NEAREST.budget);
-  }
-
-  private proofScreen: { bench: Bench; view: View; size: Size; screen: Screen } | null = null;
-
-  private screenBy(nearest: number): Screen {
-    const { size } = this.state;
-    const ratio = globalThis.devicePixelRatio || 1;
-    const [fovDeg, { box }] = [fovOf(size), this];
-    const least = box ? nearest * fillingDistance(box, fovDeg) : 0;
-    return { width: size.width * ratio, height: size.height * ratio, fovDeg, distance: Math.max(this.away, least) };
-  }
-
-  /** The distance from the eye to the nearest point of the shape's box. */
-  get away(): number {
-    const { box } = this;
-    return box ? awayFrom(box, this.state.view) : this.state.view.distance;
-  }
-
-  /** Whether the eye is nearer than the distance for which pixels are counted. */
-  get isNear(): boolean {
-    return this.away < this.screen.distance;
-  }
-
-  private get box(): Box | undefined {
-    const parts = this.state.shown?.parts ?? [];
-    if (this.boxCache?.parts !== parts) this.boxCache = { parts, box: boxOf(parts) };
-    return this.boxCache.box;
-  }
-  private boxCache: { parts: readonly Part[]; box: Box | undefined } | null = null;
-
   /** The command line for the current mesh; with `--keep-best` if the budget was not met. */
   line(output = `${stem(this.state.bench.name)}.glb`): Line {
     const { bench: current, shown } = this.state;
     const isShort = shown?.isShort && this.provedOf === current;
-    const known = (shown?.bench === current ? shown.leftOut : []).reduce(without, meshLine(current, this.screen, this.outputOf(output)));
+    const known = (shown?.bench === current ? shown.leftOut : []).reduce(without, meshLine(current, this.sight.screen, outputOf(current, output)));
     return isShort ? keepingBest(known) : known;
   }
 
   /** The command line for the picture from the current view. */
   pictureLine(): Line {
     const { bench: current, view, size } = this.state;
-    return ["render", ...reading(current), "--view", cameraText(view, size, this.framed?.up ?? null), "-o", this.outputOf(`${stem(current.name)}.png`)];
-  }
-
-  /** Renames an output that would overwrite an input. */
-  outputOf(output: string): string {
-    const { files } = this.state.bench;
-    return output in files ? output.replace(/(\.[^.]*)$/, "-out$1") : output;
+    return ["render", ...reading(current), "--view", cameraText(view, size, this.sight.framed?.up ?? null), "-o", outputOf(current, `${stem(current.name)}.png`)];
   }
 
   /** Replaces the input, as a step of undo. */
@@ -200,14 +113,14 @@ export class Controller {
     if (!isSettled) return this.put(next);
     if (this.provedOf === current) this.provedOf = next;
     if (this.drawnOf === current) this.drawnOf = next;
-    if (this.framed) this.framed = { ...this.framed, name: next.name };
+    this.sight.rename(next.name);
     this.update({ bench: next, ended: next, shown: { ...shown, bench: next } });
     this.schedule("link", () => void pack(next).then((link) => next === this.state.bench && this.update({ link })));
   }
 
   /** Clears the results of the previous file, so that they are not shown under the name of another. */
   private clearResults(): void {
-    this.jobs.cancel("draft");
+    this.runs.cancel("draft");
     this.update({ shown: null, fault: null, inspection: null, witnesses: [], picture: null });
   }
 
@@ -269,7 +182,7 @@ export class Controller {
     const script = await carriedBy(this, file);
     if (number !== this.openCount) return true;
     this.clearResults();
-    this.framed = null;
+    this.sight.forget();
     this.update({ notice: null, exported: null, carried: null });
     this.put(script ?? file);
     if (script) void verifyCarried(this, file, script);
@@ -301,8 +214,8 @@ export class Controller {
   /** Replaces the input by the result of a verb. */
   async step(verb: string, options: Line, output: string): Promise<void> {
     const { bench: current } = this.state;
-    const name = this.outputOf(output);
-    const run = await this.runSupported("step", [verb, ...reading(current), ...options, "-o", name], current.files, false);
+    const name = outputOf(current, output);
+    const run = await this.runs.runSupported("step", [verb, ...reading(current), ...options, "-o", name], current.files, false);
     // The input may have changed while the command ran.
     if (!run || current !== this.state.bench) return;
     const { outcome, line } = run;
@@ -311,71 +224,9 @@ export class Controller {
     this.put({ ...bench(name, made, [...current.before, line]), budget: current.budget });
   }
 
-  async levels(): Promise<void> {
-    const { bench: current } = this.state;
-    const name = this.outputOf(`${stem(current.name)}-levels.glb`);
-    const screen = viewText(this.screenBy(NEAREST.levels));
-    const run = await this.runSupported("levels", ["lod", ...reading(current), "--px", "1", "--view", screen, "-o", name], current.files, true);
-    if (!run || current !== this.state.bench) return;
-    const { outcome, line } = run;
-    const bytes = madeBy(outcome, line)?.[name];
-    const report = reportOf(outcome);
-    if (!bytes || !report.certificate?.levels) return this.update({ fault: faultOf(outcome) });
-    const { frame } = report.certificate;
-    const up = upOf(current.name, frame);
-    const parts = await readOrUndefined(() =>
-      Promise.all(levelsOf(bytes, frame).map(async (level) => (await withPictures(level)).map((part) => partToZUp(part, up)))),
-    );
-    if (current !== this.state.bench) return;
-    if (!parts) return this.update({ notice: "undrawn" });
-    this.update({ levels: { parts, facts: report.certificate.levels.levels, bytes, line } });
-  }
-
   /** Shows the mesh instead of the levels. */
   withoutLevels(): void {
     this.update({ levels: null });
-  }
-
-  /** Samples the field for slices. */
-  async bake(): Promise<void> {
-    const { bench: current } = this.state;
-    const run = await this.runSupported("slice", ["bake", ...reading(current), "--cells", SLICE_CELLS, "-o", "slice.npy"], current.files, true);
-    if (!run || current !== this.state.bench) return;
-    const { outcome } = run;
-    const bytes = madeBy(outcome, run.line)?.["slice.npy"];
-    if (!bytes) return this.update({ fault: faultOf(outcome) });
-    this.update({ slice: sliceOf(bytes, reportOf(outcome)) });
-  }
-
-  /** Finds which call of the script made which face, once for each input. A script that has no such mesh has no answer. */
-  trace(): Promise<Trace | null> {
-    const { bench: current } = this.state;
-    if (!isScript(current)) return Promise.resolve(null);
-    if (this.tracing?.bench !== current) this.tracing = { bench: current, found: this.runTrace(current) };
-    return this.tracing.found;
-  }
-  private tracing: { bench: Bench; found: Promise<Trace | null> } | null = null;
-
-  private async runTrace(current: Bench): Promise<Trace | null> {
-    const { text, sites } = shadowOf(textOf(current));
-    // Within the same budget, so that its faces lie on those that are shown.
-    const words = keepingBest([...meshLine({ ...current, combine: null }, this.screen, "trace.glb"), "--require", "estimated"]);
-    const outcome = await this.run("trace", words, withText(current, text).files, true);
-    const [bytes, certificate] = outcome ? [madeBy(outcome, words)?.["trace.glb"], reportOf(outcome).certificate] : [];
-    if (!bytes || !certificate || current !== this.state.bench) return null;
-    const parts = await readOrUndefined(async () => partsOf(bytes, certificate.frame));
-    const trace = { bench: current, sites, parts: (parts ?? []).map((part) => partToZUp(part, upOf(current.name, certificate.frame))) };
-    this.update({ trace });
-    return trace;
-  }
-
-  /** The functions and words of the script language, for the editor. */
-  async language(): Promise<{ functions: readonly FunctionRow[]; words: readonly string[] } | null> {
-    const outcome = await this.run("language", ["language"], {}, true);
-    if (!outcome || outcome.exit !== 0) return null;
-    const { functions, constants, keywords } = JSON.parse(outcome.stdout) as LanguageTable;
-    const rows = functions.map(({ worth, ...row }) => (worth === null ? row : { ...row, worth }));
-    return { functions: rows, words: [...(constants ?? []), ...(keywords ?? [])].map((word) => (typeof word === "string" ? word : word.name)) };
   }
 
   look(view: View): void {
@@ -393,7 +244,7 @@ export class Controller {
   }
 
   cancel(lane: LaneName): void {
-    this.jobs.cancel(lane);
+    this.runs.cancel(lane);
     this.update({ notice: "stopped" });
   }
 
@@ -408,17 +259,17 @@ export class Controller {
   private restart(isDragging: boolean): void {
     const { bench: current } = this.state;
     this.update({ levels: null, slice: null, trace: null, moreFaults: [], notice: null, exported: null });
-    for (const lane of ["levels", "slice", "step", "trace", "faults"] as const) this.jobs.cancel(lane);
+    for (const lane of ["levels", "slice", "step", "trace", "faults"] as const) this.runs.cancel(lane);
     if (isScript(current)) void this.draft();
     else {
-      this.jobs.cancel("draft");
+      this.runs.cancel("draft");
       if (isMesh(current) && (current.files[current.name]?.length ?? 0) > SHOWN_FIRST) void this.showFirst(current);
     }
     if (this.isBesideShown) void this.fieldSource.follow();
     // During a drag there are only drafts: a proof would be of an older number before it ends.
     if (isDragging) {
-      this.jobs.cancel("proof");
-      this.jobs.cancel("picture");
+      this.runs.cancel("proof");
+      this.runs.cancel("picture");
       clearTimeout(this.timers.get("proof"));
       this.timers.delete("proof");
     } else {
@@ -473,8 +324,7 @@ export class Controller {
       await this.drafting;
       if (number !== this.proofCount || current !== this.state.bench) return;
     }
-    const { view, size } = this.state;
-    this.proofScreen = { bench: current, view, size, screen: this.screen };
+    this.sight.keepScreen();
     const isMade = await this.runProof(current);
     if (isMade === false && number === this.proofCount) await this.proveOlder(current);
     if (isMade === false && number === this.proofCount) await this.findFaults(current);
@@ -490,7 +340,7 @@ export class Controller {
     while (copy !== null && fault && isMendable(fault) && more.length < MOST_FAULTS) {
       copy = withoutFault(copy, fault);
       if (copy === null) break;
-      const outcome = await this.run("faults", ["inspect", ...reading(current)], withText(current, copy).files, true);
+      const outcome = await this.runs.run("faults", ["inspect", ...reading(current)], withText(current, copy).files, true);
       if (!outcome || current !== this.state.bench) return;
       fault = outcome.exit === 0 ? null : inScript(faultOf(outcome), copy, script);
       if (!fault || !isMendable(fault) || !isFurther(fault, [this.state.fault!, ...more])) break;
@@ -500,8 +350,8 @@ export class Controller {
   }
 
   private runProof(input: Bench): Promise<boolean | null> {
-    const output = this.outputOf(`${stem(input.name)}.glb`);
-    return this.showMesh("proof", keepingBest(meshLine(input, this.proofScreen?.screen ?? this.screen, output)), output, input);
+    const output = outputOf(input, `${stem(input.name)}.glb`);
+    return this.showMesh("proof", keepingBest(meshLine(input, this.sight.lastScreen, output)), output, input);
   }
 
   /** If the script is faulty, the last working shape may be shown only as a draft: its proof is run then. */
@@ -514,7 +364,7 @@ export class Controller {
   private async showMesh(lane: "draft" | "proof", words: Line, output: string, input: Bench): Promise<boolean | null> {
     const begun = performance.now();
     // Options are for all verbs: one that only tiles have must not keep the shape from being shown.
-    const run = await this.runSupported(lane, words, input.files, true);
+    const run = await this.runs.runSupported(lane, words, input.files, true);
     if (!run || !this.isWanted(lane, input)) return null;
     const { outcome, line } = run;
     const leftOut = words.filter((word) => /^--?[a-z]/i.test(word) && !line.includes(word));
@@ -535,7 +385,9 @@ export class Controller {
     if (lane === "proof") this.provedOf = input;
     const seconds = (performance.now() - begun) / 1000;
     const isShort = outcome.exit !== 0;
-    this.frameShape(input, parts, up);
+    const isMoved = this.sight.frame(input, parts, up, this.dragged);
+    // The pixels were counted from the previous position.
+    if (isMoved && input.budget.by === "px") this.schedule("proof", () => void this.prove());
     const shown: Shown = { bench: input, parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort, leftOut };
     // If an older input is proved in place of a faulty one, the error of the newest input must stay visible.
     const isOld = lane === "proof" && !isNewest;
@@ -557,38 +409,9 @@ export class Controller {
   /** The subject of the last picture: an input's field, or triangles. */
   private drawnOf: Bench | Shown | null = null;
 
-  /** Sets the view for a new shape; for a changed one the view is kept unless the size is very different. */
-  private frameShape(current: Bench, parts: readonly Part[], up: string | null): void {
-    const isNew = this.framed?.name !== current.name;
-    const box = boxOf(parts);
-    if (isNew && !box) return;
-    if (!box) return void (this.framed = { ...this.framed!, up });
-    const { view, home } = this.state;
-    const next = framing(box, { view, home, before: isNew ? null : this.framed!.view, room: this.room }, this.dragged);
-    this.framed = { name: current.name, up, view: next.view ?? this.framed!.view };
-    this.update(next.view ? { home: next.home, view: next.view } : { home: next.home });
-    if (!next.view) return;
-    // The pixels were counted from the previous position.
-    if (current.budget.by === "px") this.schedule("proof", () => void this.prove());
-  }
-
-  /** How much farther away a shape fits into what the panels leave of the picture. It concerns the next time that it is fitted. */
-  makeRoom(room: number): void {
-    if (room === this.room) return;
-    const { home } = this.state;
-    this.update({ home: { ...home, distance: (home.distance * room) / this.room } });
-    this.room = room;
-  }
-  private room = 1;
-
-  /** A point of the report in the picture's coordinates, with z up. */
-  place(at: Vec3): Vec3 {
-    return toZUp(at, this.framed?.up ?? null);
-  }
-
   private async inspect(): Promise<void> {
     const { bench: current } = this.state;
-    const run = await this.runSupported("inspect", ["inspect", ...reading(current)], current.files, true);
+    const run = await this.runs.runSupported("inspect", ["inspect", ...reading(current)], current.files, true);
     if (!run || current !== this.state.bench) return;
     const { outcome } = run;
     const { inspection, certificate } = reportOf(outcome);
@@ -624,49 +447,15 @@ export class Controller {
     const ratio = kind === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (seen.width * seen.height)));
     const dots = { width: Math.round(seen.width * ratio), height: Math.round(seen.height * ratio) };
     const { parts, certificate } = shown;
-    const subject = { bench: current, parts, up: this.framed?.up ?? null, atMost: certificate.bound?.at_most ?? null };
+    const subject = { bench: current, parts, up: this.sight.framed?.up ?? null, atMost: certificate.bound?.at_most ?? null };
     const { line, files } = pictureLine(kind, subject, view, dots);
-    const run = await this.runSupported("picture", line, files, true);
+    const run = await this.runs.runSupported("picture", line, files, true);
     if (!run || current !== this.state.bench || beside !== this.state.beside) return;
     const { outcome } = run;
     const png = madeBy(outcome, run.line)?.["picture.png"];
     this.drawnOf = kind === "traced" ? current : shown;
     if (!png) return this.update({ fault: faultOf(outcome) });
     this.update({ picture: { kind, png, report: reportOf(outcome), bench: current, view } });
-  }
-
-  /** Runs a line. If the verb does not know an option of the bench, runs it again without. Returns the line that was run. */
-  async runSupported(lane: LaneName, line: Line, files: Files, isReport: boolean): Promise<{ outcome: Outcome; line: Line } | null> {
-    const outcome = await this.run(lane, line, files, isReport);
-    if (!outcome) return null;
-    const unknown = outcome.exit === USAGE && /unexpected argument '(-[\w-]+)/.exec(`${outcome.stderr}${outcome.stdout}`)?.[1];
-    const shorter = unknown ? without(line, unknown) : line;
-    // Each further run has fewer words, so this ends.
-    return shorter.length < line.length ? this.runSupported(lane, shorter, files, isReport) : { outcome, line };
-  }
-
-  private async run(lane: LaneName, words: Line, files: Files, isReport: boolean): Promise<Outcome | null> {
-    const setRunning = (isOn: boolean) => {
-      const { running, progress } = this.state;
-      const { [lane]: _, ...rest } = progress;
-      this.update({ running: isOn ? [...running.filter((one) => one !== lane), lane] : running.filter((one) => one !== lane), progress: rest });
-    };
-    setRunning(true);
-    try {
-      const args = isReport ? [...words, "--json"] : words;
-      return await this.jobs.run(lane, args, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: withLeft(progress, this.state.progress[lane]) } }));
-    } catch (error) {
-      if (error instanceof Stopped && error.why === "unloaded") this.update({ notice: "unloaded" });
-      else if (error instanceof Stopped && error.why === "trapped") {
-        // The last line is the browser's, and the lines before it may be warnings.
-        const last = error.message.split("\n").slice(0, -1).findLast((line) => line && !line.includes("warning:"));
-        this.update({ notice: "trapped", fault: last ? { text: last } : null });
-      } else if (!(error instanceof Stopped)) throw error;
-      return null;
-    } finally {
-      // A newer job may have taken the lane over.
-      if (!this.jobs.isRunning(lane)) setRunning(false);
-    }
   }
 
   private schedule(name: string, act: () => void): void {
@@ -680,28 +469,9 @@ export class Controller {
     this.update({ isWaiting: true });
   }
 
-  /** Resolves as soon as the state is as a test asks. */
-  until(test: (state: State) => boolean): Promise<void> {
-    if (test(this.state)) return Promise.resolve();
-    return new Promise((resolve) => this.awaited.push({ test, resolve }));
-  }
-  private awaited: { test: (state: State) => boolean; resolve: () => void }[] = [];
-
   /** Changes a part of the state that no run depends on. */
   change(change: Partial<Pick<State, "exported" | "carried">>): void {
     this.update(change);
   }
 
-  private update(change: Partial<State>): void {
-    this.state = { ...this.state, ...change };
-    const due = this.awaited.filter(({ test }) => test(this.state));
-    if (due.length) this.awaited = this.awaited.filter((one) => !due.includes(one));
-    due.forEach(({ resolve }) => resolve());
-    this.notify();
-  }
 }
-
-const keepingBest = (line: Line): Line => (line.includes(KEEP_BEST) ? line : [...line, KEEP_BEST]);
-
-/** The result of reading a file; `undefined` if this page cannot read it. */
-const readOrUndefined = <T>(read: () => Promise<T>): Promise<T | undefined> => Promise.resolve().then(read).catch(() => undefined);

@@ -197,3 +197,6 @@ export function rust(bench: Bench, screen: Screen, output: string): string {
     `mesh.write(&mut std::fs::File::create(${literal(output)})?)?;`,
   ].join("\n");
 }
+
+/** Renames an output that would overwrite an input. */
+export const outputOf = ({ files }: Bench, output: string): string => (output in files ? output.replace(/(\.[^.]*)$/, "-out$1") : output);

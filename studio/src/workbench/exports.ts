@@ -2,7 +2,7 @@
 // what the command makes of the input itself, such as tiles. A run that fails is a sentence, never a file.
 import type { Controller } from "./controller";
 import type { Files } from "../core/command";
-import { type Line, stem } from "./document";
+import { type Line, outputOf, stem } from "./document";
 import { type Fault, faultOf, madeBy } from "./outcome";
 import type { Shown, State } from "./state";
 
@@ -34,7 +34,7 @@ function keepsFrame({ bench, certificate: { frame } }: Shown): boolean {
 /** Writes the mesh of the current input in a format. `null` if that failed; the state says why. */
 export async function exportMesh(control: Controller, format: MeshFormat): Promise<Files | null> {
   const { bench } = control.state;
-  const name = control.outputOf(`${stem(bench.name)}.${format}`);
+  const name = outputOf(bench, `${stem(bench.name)}.${format}`);
   control.change({ exported: { state: "waiting", name } });
   // A proof may be running; the file is that of the proved mesh, as its certificate says.
   await control.until((state) => state.bench !== bench || isProved(state) || (state.ended === bench && !state.isWaiting));
@@ -58,7 +58,7 @@ export async function exportMesh(control: Controller, format: MeshFormat): Promi
 /** Runs a line whose outputs are downloaded. */
 export async function exportLine(control: Controller, line: Line, name: string, files: Files = control.state.bench.files): Promise<Files | null> {
   control.change({ exported: { state: "waiting", name } });
-  const run = await control.runSupported("export", line, files, false);
+  const run = await control.runs.runSupported("export", line, files, false);
   if (!run) {
     // Stopped, or out of memory, which the page says elsewhere.
     control.change({ exported: null });
@@ -69,7 +69,7 @@ export async function exportLine(control: Controller, line: Line, name: string, 
 }
 
 async function convert(control: Controller, line: Line, files: Files): Promise<Files | null> {
-  const run = await control.runSupported("export", line, files, false);
+  const run = await control.runs.runSupported("export", line, files, false);
   // A module without the option would turn the shape of a 3MF.
   const outputs = run?.line.includes(KEEP_CERTIFICATE) ? madeBy(run.outcome, run.line) : null;
   return outputs && done(control, line[2]!, outputs);

@@ -333,3 +333,6 @@ export function boxOf(parts: readonly Part[]): readonly [Vec3, Vec3] | undefined
   }
   return low[0]! <= high[0]! ? [low as unknown as Vec3, high as unknown as Vec3] : undefined;
 }
+
+/** The result of reading a file; `undefined` if this page cannot read it. */
+export const readOrUndefined = <T>(read: () => Promise<T>): Promise<T | undefined> => Promise.resolve().then(read).catch(() => undefined);

@@ -361,7 +361,7 @@ test("a shape is fitted into what the panels leave, and the view stays while the
   expect([room > 1, diagonal < half.width, diagonal > 0.8 * half.width]).toEqual([true, true, true]);
   const { control, write } = sized();
   const { view, home } = await write("1");
-  control.makeRoom(room);
+  control.sight.makeRoom(room);
   expect(control.state.view).toBe(view);
   expect(control.state.home.distance / home.distance).toBeCloseTo(room, 10);
   expect((await write("2")).view.distance / view.distance).toBeCloseTo(2 * room, 10);
@@ -523,7 +523,7 @@ describe("an export", () => {
     const control = new Controller(jobs as unknown as Jobs<LaneName>, block, () => undefined);
     const certificate = { frame, bound: null, output: null, valid: null, budget: null, notes: [] };
     const shown = { bench: block, parts: [], certificate, bytes: text("glTF"), seconds: 1, isDraft: false, isShort: false, leftOut: [] };
-    control.state = { ...control.state, shown, ended: block };
+    control.store.state = { ...control.state, shown, ended: block };
     return { control, lines };
   };
 
@@ -550,13 +550,13 @@ describe("an export", () => {
   });
   test("without a proved mesh says so", async () => {
     const { control } = proved(ended(0, {}));
-    control.state = { ...control.state, shown: { ...control.state.shown!, isDraft: true } };
+    control.store.state = { ...control.state, shown: { ...control.state.shown!, isDraft: true } };
     expect(await exportMesh(control, "glb")).toBeNull();
     expect(control.state.exported).toEqual({ state: "failed", name: "block.glb", fault: null });
   });
   test("of a shape that changes before it is proved says that, and writes nothing", async () => {
     const { control } = proved(ended(0, {}));
-    control.state = { ...control.state, shown: null, ended: null };
+    control.store.state = { ...control.state, shown: null, ended: null };
     const made = exportMesh(control, "stl");
     control.put(withText(block, "sphere(1)"));
     expect(await made).toBeNull();
