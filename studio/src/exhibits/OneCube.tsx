@@ -1,5 +1,5 @@
 // One cell of marching cubes: eight corners to switch, the triangles by the core, and the ambiguous faces.
-import { Figure as Data } from "../view/parts";
+import { Row } from "../view/parts";
 import { type Layer, type Picture, type Vec3, type View, painted } from "../viewer";
 import type { LiveNumber } from "./exhibit";
 import { PAINT } from "./paint";
@@ -178,14 +178,9 @@ export function CubePanel({ page, answer }: { page: Page; answer: CubeAnswer }) 
       </div>
       <dl>
         {rows.map(([name, label, value, shown]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {shown}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {shown}
+          </Row>
         ))}
       </dl>
     </>

@@ -1,6 +1,6 @@
 // Two pictures of one thing, pixel by pixel, of which a button shows one in the other's place; or their difference. Drawn and
 // compared by the core.
-import { Figure as Data } from "../view/parts";
+import { Row } from "../view/parts";
 import { bitmap } from "./bitmap";
 import type { Language, Say } from "./say";
 
@@ -86,23 +86,13 @@ export function SamePicture({ pair, side, names, scale, say, isStill, choose }: 
             ["seen", words.seen, pair.seen],
           ] as const
         ).map(([key, label, count]) => (
-          <div key={key}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={key} value={count}>
-                {words.of(say.whole(count), say.whole(pair.covered))}
-              </Data>
-            </dd>
-          </div>
+          <Row key={key} name={key} label={label} value={count}>
+            {words.of(say.whole(count), say.whole(pair.covered))}
+          </Row>
         ))}
-        <div>
-          <dt>{words.largest}</dt>
-          <dd>
-            <Data name="largest" value={pair.largest}>
-              {`${say.whole(pair.largest)} ${words.ofTones}`}
-            </Data>
-          </dd>
-        </div>
+        <Row name="largest" label={words.largest} value={pair.largest}>
+          {`${say.whole(pair.largest)} ${words.ofTones}`}
+        </Row>
       </dl>
     </figure>
   );

@@ -1,6 +1,6 @@
 // A surface meshed for the eye that looks at it: triangles crowd where it bends, near the eye and along the outline.
 import { useRef, useState } from "preact/hooks";
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type Picture, type Vec3, type View, eyeOf } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, view, word, words } from "./fragment";
@@ -308,14 +308,9 @@ function Panel({ page }: { page: Page }) {
             <dd>{tried.current.counts.has(i) ? say.whole(tried.current.counts.get(i)!) : "—"}</dd>
           </div>
         ))}
-        <div>
-          <dt>{texts.proved}</dt>
-          <dd>
-            <Data name="outline" value={answer.pixels}>
-              {answer.pixels === null ? "—" : texts.pixels(say.fixed(answer.pixels))}
-            </Data>
-          </dd>
-        </div>
+        <Row name="outline" label={texts.proved} value={answer.pixels}>
+          {answer.pixels === null ? "—" : texts.pixels(say.fixed(answer.pixels))}
+        </Row>
       </dl>
       <table class="sizes">
         <caption>{texts.sizes}</caption>

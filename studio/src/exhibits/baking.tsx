@@ -1,5 +1,5 @@
 // A mesh baked to a grid of distances and meshed again: each way has an error, and the bounds add up.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type Picture, type Vec3, type View, facing } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, view, word } from "./fragment";
@@ -215,23 +215,13 @@ function Panel({ page }: { page: Page }) {
       </svg>
       <dl>
         {rows.map(([name, label, value]) => (
-          <div key={name} class={`of-${name}`}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {value === null ? "—" : say.fixed(value, 3)}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} class={`of-${name}`} name={name} label={label} value={value}>
+            {value === null ? "—" : say.fixed(value, 3)}
+          </Row>
         ))}
-        <div>
-          <dt>{texts.samples}</dt>
-          <dd>
-            <Data name="samples" value={answer.samples}>
-              {say.whole(answer.samples)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="samples" label={texts.samples} value={answer.samples}>
+          {say.whole(answer.samples)}
+        </Row>
       </dl>
     </>
   );

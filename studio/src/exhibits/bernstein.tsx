@@ -1,6 +1,6 @@
 // Bernstein's four weights: a point of a cubic is a mixture of its control points, which de Casteljau's construction finds.
 import { useRef } from "preact/hooks";
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, cubic, kept, path, toSvg } from "./Flat";
 import { number, points, word } from "./fragment";
@@ -296,23 +296,13 @@ function Panel({ page }: { page: Page }) {
       <Graph page={page} />
       <dl>
         {answer.weights.map((weight, i) => (
-          <div key={i} class={`of-weight ${PAINTS[i]}`}>
-            <dt>{texts.weight(i)}</dt>
-            <dd>
-              <Data name={`weight-${i}`} value={weight}>
-                {say.fixed(weight, 3)}
-              </Data>
-            </dd>
-          </div>
+          <Row key={i} class={`of-weight ${PAINTS[i]}`} name={`weight-${i}`} label={texts.weight(i)} value={weight}>
+            {say.fixed(weight, 3)}
+          </Row>
         ))}
-        <div>
-          <dt>{texts.sum}</dt>
-          <dd>
-            <Data name="sum" value={answer.sum}>
-              {say.fixed(answer.sum, 3)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="sum" label={texts.sum} value={answer.sum}>
+          {say.fixed(answer.sum, 3)}
+        </Row>
       </dl>
       <Choice
         name="form"

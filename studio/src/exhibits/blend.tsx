@@ -1,5 +1,5 @@
 // Two discs united: with a sharp seam by the minimum, and with a filled one by the smooth minimum, whose value is a bound.
-import { Figure as Data, Slider } from "../view/parts";
+import { Row, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, toSvg } from "./Flat";
 import { number, point } from "./fragment";
@@ -183,23 +183,13 @@ function Panel({ page }: { page: Page }) {
       <Slider id="width" label={texts.width} shown={width} low={0} high={MOST} value={state.width} choose={(width) => set({ width })} />
       <dl>
         {rows.map(([name, label, value]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {say.fixed(value)}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {say.fixed(value)}
+          </Row>
         ))}
-        <div>
-          <dt>{texts.pieces}</dt>
-          <dd>
-            <Data name="pieces" value={answer.pieces}>
-              {String(answer.pieces)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="pieces" label={texts.pieces} value={answer.pieces}>
+          {String(answer.pieces)}
+        </Row>
       </dl>
       <p class="aside">
         {texts.quality(known(answer.quality.outside), known(answer.quality.inside))}

@@ -1,5 +1,5 @@
 // A block minus a drill, by the textbook method for meshes and as a field: where a mesh cracks, a field cannot.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import type { Layer, Picture, Vec3, View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { flag, number, point, view, word } from "./fragment";
@@ -237,23 +237,13 @@ function Panel({ page }: { page: Page }) {
       </p>
       <dl>
         {(["textbook", "field"] as const).map((name) => (
-          <div key={name}>
-            <dt>{texts[name]}</dt>
-            <dd>
-              <Data name={name} value={answer[name]}>
-                {answer[name] === null ? "—" : say.whole(answer[name])}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={texts[name]} value={answer[name]}>
+            {answer[name] === null ? "—" : say.whole(answer[name])}
+          </Row>
         ))}
-        <div>
-          <dt>{texts.volume}</dt>
-          <dd>
-            <Data name="volume" value={answer.volume}>
-              {say.fixed(answer.volume, 3)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="volume" label={texts.volume} value={answer.volume}>
+          {say.fixed(answer.volume, 3)}
+        </Row>
       </dl>
     </>
   );

@@ -1,5 +1,5 @@
 // Triangles against budget on one chart, for every representation of a shape.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { Chart, type Place, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, word } from "./fragment";
@@ -311,40 +311,20 @@ function Panel({ page }: { page: Page }) {
         choose={(shape) => set({ shape })}
       />
       <dl>
-        <div>
-          <dt>{texts.count[countOf(state.shape)]}</dt>
-          <dd>
-            <Data name="count" value={answer.count}>
-              {answer.count === null ? texts.none : say.whole(answer.count)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.bound}</dt>
-          <dd>
-            <Data name="bound" value={answer.bound}>
-              {answer.bound === null ? texts.none : say.number(answer.bound)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="count" label={texts.count[countOf(state.shape)]} value={answer.count}>
+          {answer.count === null ? texts.none : say.whole(answer.count)}
+        </Row>
+        <Row name="bound" label={texts.bound} value={answer.bound}>
+          {answer.bound === null ? texts.none : say.number(answer.bound)}
+        </Row>
         {answer.source_off > 0 && (
-          <div>
-            <dt>{texts.source}</dt>
-            <dd>
-              <Data name="source" value={answer.source_off}>
-                {say.number(answer.source_off)}
-              </Data>
-            </dd>
-          </div>
+          <Row name="source" label={texts.source} value={answer.source_off}>
+            {say.number(answer.source_off)}
+          </Row>
         )}
-        <div>
-          <dt>{texts.times}</dt>
-          <dd>
-            <Data name="times" value={answer.times}>
-              {answer.times === null ? texts.none : `${say.fixed(answer.times)}×`}
-            </Data>
-          </dd>
-        </div>
+        <Row name="times" label={texts.times} value={answer.times}>
+          {answer.times === null ? texts.none : `${say.fixed(answer.times)}×`}
+        </Row>
       </dl>
     </>
   );

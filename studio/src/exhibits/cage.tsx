@@ -1,5 +1,5 @@
 // Catmull–Clark subdivision: a cage, its rounds, and its limit surface; each round leaves a quarter of the distance.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Figure as Data, Row, Slider } from "../view/parts";
 import { type Layer, type Picture, type View, rampStops } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, view, word } from "./fragment";
@@ -232,14 +232,9 @@ function Panel({ page }: { page: Page }) {
         </div>
       )}
       <dl>
-        <div>
-          <dt>{texts.faces}</dt>
-          <dd>
-            <Data name="faces" value={answer.faces}>
-              {say.whole(answer.faces)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="faces" label={texts.faces} value={answer.faces}>
+          {say.whole(answer.faces)}
+        </Row>
         {answer.errors.map((error, n) => (
           <div key={n}>
             <dt>{texts.level(n)}</dt>

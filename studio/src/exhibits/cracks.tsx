@@ -1,5 +1,5 @@
 // Two adjacent patches: subdivided by their own numbers they crack, with a shared subdivision of their common side they do not.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type Picture, type View, eyeOf } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, view, word } from "./fragment";
@@ -220,14 +220,9 @@ function Panel({ page }: { page: Page }) {
       />
       <dl>
         {rows.map(([name, label, value, shown]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {shown}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {shown}
+          </Row>
         ))}
       </dl>
     </>

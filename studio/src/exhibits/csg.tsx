@@ -1,5 +1,5 @@
 // Two shapes under minimum and maximum: the sign is right everywhere, but the value is not a distance everywhere.
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Row } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, toSvg } from "./Flat";
 import { point, word } from "./fragment";
@@ -204,14 +204,9 @@ function Panel({ page }: { page: Page }) {
       />
       <dl>
         {rows.map(([name, label, value]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {say.fixed(value)}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {say.fixed(value)}
+          </Row>
         ))}
       </dl>
       <p class="aside">

@@ -1,5 +1,5 @@
 // Marching cubes of a whole surface: the cells that it crosses, a slice of the samples, and the edges that it cuts off.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import type { Layer, Picture, View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, view, words, word } from "./fragment";
@@ -230,22 +230,12 @@ function Panel({ page }: { page: Page }) {
         </div>
       </fieldset>
       <dl>
-        <div>
-          <dt>{texts.crossed}</dt>
-          <dd>
-            <Data name="crossed" value={answer.crossed}>
-              {texts.of(say.whole(answer.crossed), say.whole(answer.all))}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.triangles}</dt>
-          <dd>
-            <Data name="triangles" value={answer.triangles}>
-              {say.whole(answer.triangles)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="crossed" label={texts.crossed} value={answer.crossed}>
+          {texts.of(say.whole(answer.crossed), say.whole(answer.all))}
+        </Row>
+        <Row name="triangles" label={texts.triangles} value={answer.triangles}>
+          {say.whole(answer.triangles)}
+        </Row>
       </dl>
     </>
   );

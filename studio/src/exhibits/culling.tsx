@@ -1,5 +1,5 @@
 // The winding says which side is the front; culling omits back faces, even if the winding is wrong.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type Picture, type Vec3, type View, eyeOf, pick, row } from "../viewer";
 import { cross, minus, plus, unit } from "../viewer/view";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -295,35 +295,20 @@ function Panel({ page }: { page: Page }) {
         choose={(backs) => set({ backs })}
       />
       <dl>
-        <div>
-          <dt>{texts.culledShare[state.backs]}</dt>
-          <dd>
-            <Data name="back-share" value={answer.back_share}>
-              {texts.of(say.whole(answer.back), say.whole(answer.triangles))}
-              {say.marks.aside(say.percent(answer.back_share))}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.edges}</dt>
-          <dd>
-            <Data name="inconsistent" value={answer.inconsistent_edges}>
-              {say.whole(answer.inconsistent_edges)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="back-share" label={texts.culledShare[state.backs]} value={answer.back_share}>
+          {texts.of(say.whole(answer.back), say.whole(answer.triangles))}
+          {say.marks.aside(say.percent(answer.back_share))}
+        </Row>
+        <Row name="inconsistent" label={texts.edges} value={answer.inconsistent_edges}>
+          {say.whole(answer.inconsistent_edges)}
+        </Row>
         <div>
           <dt>{texts.oriented}</dt>
           <dd>{answer.oriented ? texts.yes : texts.no}</dd>
         </div>
-        <div>
-          <dt>{texts.volume}</dt>
-          <dd>
-            <Data name="volume" value={answer.oriented ? answer.signed_volume : null}>
-              {answer.oriented ? say.fixed(answer.signed_volume) : texts.noVolume}
-            </Data>
-          </dd>
-        </div>
+        <Row name="volume" label={texts.volume} value={answer.oriented ? answer.signed_volume : null}>
+          {answer.oriented ? say.fixed(answer.signed_volume) : texts.noVolume}
+        </Row>
       </dl>
     </>
   );

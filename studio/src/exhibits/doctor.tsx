@@ -1,6 +1,6 @@
 // The mesh doctor: six defective meshes, the defects that the core finds, and the results of its repairs.
 import { CURE_NAMES, type Cure } from "../core/cures";
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Figure as Data, Row } from "../view/parts";
 import { type Layer, type Picture, type Vec3, type View, facing } from "../viewer";
 import { DOCTOR, type Defect, PATIENTS, type Patient, type Texts } from "./doctor_texts";
 import { exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -192,23 +192,13 @@ function Panel({ page }: { page: Page }) {
       )}
       <dl>
         {(["closed", "manifold", "oriented"] as const).map((fact) => (
-          <div key={fact}>
-            <dt>{texts.facts[fact]}</dt>
-            <dd>
-              <Data name={fact} value={answer[fact] ? 1 : 0}>
-                {answer[fact] ? texts.yes : texts.no}
-              </Data>
-            </dd>
-          </div>
+          <Row key={fact} name={fact} label={texts.facts[fact]} value={answer[fact] ? 1 : 0}>
+            {answer[fact] ? texts.yes : texts.no}
+          </Row>
         ))}
-        <div>
-          <dt>{texts.volume}</dt>
-          <dd>
-            <Data name="volume" value={hasInside(answer) ? answer.volume : null}>
-              {answer.volume === null || !hasInside(answer) ? texts.noVolume : say.number(answer.volume)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="volume" label={texts.volume} value={hasInside(answer) ? answer.volume : null}>
+          {answer.volume === null || !hasInside(answer) ? texts.noVolume : say.number(answer.volume)}
+        </Row>
       </dl>
     </>
   );

@@ -1,5 +1,5 @@
 // A polygon that one cuts into n − 2 triangles oneself, beside a fan and the library's ear clipping.
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Row } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, kept, path } from "./Flat";
 import { number, numbers, points, word } from "./fragment";
@@ -361,14 +361,9 @@ function Panel({ page }: { page: Page }) {
           <dt>{texts.corners}</dt>
           <dd>{say.whole(state.points.length)}</dd>
         </div>
-        <div>
-          <dt>{texts.needed}</dt>
-          <dd>
-            <Data name="needed" value={answer.needed}>
-              {say.whole(answer.needed)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="needed" label={texts.needed} value={answer.needed}>
+          {say.whole(answer.needed)}
+        </Row>
         <div>
           <dt>{texts.kind}</dt>
           <dd>{answer.is_convex ? texts.convex : texts.concave}</dd>

@@ -1,5 +1,5 @@
 // One shape in both forms: a function that can be evaluated at any point, and a mesh of its outline.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path, toSvg } from "./Flat";
 import { number, point, word } from "./fragment";
@@ -241,38 +241,18 @@ function Panel({ page }: { page: Page }) {
         choose={(stop) => set({ stop })}
       />
       <dl>
-        <div>
-          <dt>{texts.other[state.asked]}</dt>
-          <dd>
-            <Data name="other" value={other}>
-              {say.fixed(other)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.apart}</dt>
-          <dd>
-            <Data name="apart" value={answer.apart}>
-              {say.fixed(answer.apart, 3)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.proved}</dt>
-          <dd>
-            <Data name="bound" value={mesh.bound}>
-              {say.fixed(mesh.bound, 3)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.evaluations}</dt>
-          <dd>
-            <Data name="edges" value={mesh.edges}>
-              {String(mesh.edges)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="other" label={texts.other[state.asked]} value={other}>
+          {say.fixed(other)}
+        </Row>
+        <Row name="apart" label={texts.apart} value={answer.apart}>
+          {say.fixed(answer.apart, 3)}
+        </Row>
+        <Row name="bound" label={texts.proved} value={mesh.bound}>
+          {say.fixed(mesh.bound, 3)}
+        </Row>
+        <Row name="edges" label={texts.evaluations} value={mesh.edges}>
+          {String(mesh.edges)}
+        </Row>
         <div>
           <dt>{texts.normal}</dt>
           <dd>{normal ? `(${say.fixed(normal[0])}, ${say.fixed(normal[1])})` : texts.none}</dd>

@@ -1,5 +1,5 @@
 // One mesh, stored with an index and without.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Figure as Data, Row, Slider } from "../view/parts";
 import { type MeshLayer, type Picture, type Projector, type Vec3, type View, exploded, pick, row } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, numbers, type Part, view, word } from "./fragment";
@@ -296,30 +296,15 @@ function Panel({ page }: { page: Page }) {
         </p>
       </div>
       <dl>
-        <div>
-          <dt>{texts.vertices}</dt>
-          <dd>
-            <Data name="vertices" value={answer.vertices}>
-              {say.whole(answer.vertices)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.perVertex}</dt>
-          <dd>
-            <Data name="per-vertex" value={answer.triangles_per_vertex}>
-              {say.fixed(answer.triangles_per_vertex)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.here}</dt>
-          <dd>
-            <Data name="ring" value={answer.vertex.faces.length}>
-              {texts.shared(String(answer.vertex.faces.length))}
-            </Data>
-          </dd>
-        </div>
+        <Row name="vertices" label={texts.vertices} value={answer.vertices}>
+          {say.whole(answer.vertices)}
+        </Row>
+        <Row name="per-vertex" label={texts.perVertex} value={answer.triangles_per_vertex}>
+          {say.fixed(answer.triangles_per_vertex)}
+        </Row>
+        <Row name="ring" label={texts.here} value={answer.vertex.faces.length}>
+          {texts.shared(String(answer.vertex.faces.length))}
+        </Row>
       </dl>
       <div class="buttons">
         <button

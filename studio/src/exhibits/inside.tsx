@@ -1,5 +1,5 @@
 // A point is inside a triangle if all three edge functions have the same sign there.
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Figure as Data, Row } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
 import { point, points, word } from "./fragment";
@@ -207,14 +207,9 @@ function Panel({ page }: { page: Page }) {
             </dd>
           </div>
         ))}
-        <div>
-          <dt>{texts.area}</dt>
-          <dd>
-            <Data name="area" value={answer.signed_area}>
-              {say.fixed(answer.signed_area)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="area" label={texts.area} value={answer.signed_area}>
+          {say.fixed(answer.signed_area)}
+        </Row>
       </dl>
       <Choice
         name="winding"

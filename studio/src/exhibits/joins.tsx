@@ -1,5 +1,5 @@
 // Two cubics that meet: the effect of C0, C1 and C2 when the first one is bent, on the curvature comb and on a reflection.
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Row } from "../view/parts";
 import { type Grey, bitmap } from "./bitmap";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, Flat, type Point, at, cubic, path, toSvg } from "./Flat";
@@ -251,14 +251,9 @@ function Panel({ page }: { page: Page }) {
       </div>
       <dl>
         {rows.map(([name, label, value, shown]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {shown}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {shown}
+          </Row>
         ))}
       </dl>
     </>

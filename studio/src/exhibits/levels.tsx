@@ -1,5 +1,5 @@
 // Levels of detail: as the camera moves away, teapot and mountain are each shown by the fewest triangles within a pixel.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Figure as Data, Row, Slider } from "../view/parts";
 import type { Picture, Vec3, View } from "../viewer";
 import { Chart } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -331,14 +331,9 @@ function Panel({ page }: { page: Page }) {
             </dd>
           </div>
         ))}
-        <div>
-          <dt>{texts.factor}</dt>
-          <dd>
-            <Data name="off-axis" value={answer.off_axis}>
-              {say.fixed(answer.off_axis)}×
-            </Data>
-          </dd>
-        </div>
+        <Row name="off-axis" label={texts.factor} value={answer.off_axis}>
+          {say.fixed(answer.off_axis)}×
+        </Row>
       </dl>
     </>
   );

@@ -1,5 +1,5 @@
 // A learned occupancy: a small network says how surely a point is inside; samples on a lattice and a threshold make a mesh.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import type { Layer, Picture, Vec3, View } from "../viewer";
 import { Chart, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -266,23 +266,13 @@ function Panel({ page }: { page: Page }) {
       </p>
       <dl>
         {rows.map(([name, label, value]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {say.whole(value)}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {say.whole(value)}
+          </Row>
         ))}
-        <div>
-          <dt>{texts.excluded}</dt>
-          <dd>
-            <Data name="free" value={free}>
-              {texts.of(say.whole(free), say.whole(answer.boxes))}
-            </Data>
-          </dd>
-        </div>
+        <Row name="free" label={texts.excluded} value={free}>
+          {texts.of(say.whole(free), say.whole(answer.boxes))}
+        </Row>
       </dl>
     </>
   );

@@ -1,5 +1,5 @@
 // Where normals are stored: at faces, at shared vertices, or at vertices that are split at hard edges.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type Picture, type View, middles } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { flag, number, view, word } from "./fragment";
@@ -216,30 +216,15 @@ function Panel({ page }: { page: Page }) {
         {texts.arrows}
       </label>
       <dl>
-        <div>
-          <dt>{texts.places}</dt>
-          <dd>
-            <Data name="positions" value={answer.positions}>
-              {say.whole(answer.positions)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.bytes}</dt>
-          <dd>
-            <Data name="bytes" value={answer.bytes}>
-              {say.bytes(answer.bytes)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.triangles}</dt>
-          <dd>
-            <Data name="triangles" value={answer.triangles}>
-              {say.whole(answer.triangles)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="positions" label={texts.places} value={answer.positions}>
+          {say.whole(answer.positions)}
+        </Row>
+        <Row name="bytes" label={texts.bytes} value={answer.bytes}>
+          {say.bytes(answer.bytes)}
+        </Row>
+        <Row name="triangles" label={texts.triangles} value={answer.triangles}>
+          {say.whole(answer.triangles)}
+        </Row>
       </dl>
     </>
   );

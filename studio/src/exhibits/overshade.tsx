@@ -1,5 +1,5 @@
 // The shading cost of small triangles: a GPU shades blocks of two by two pixels, once for each triangle that touches them.
-import { Figure as Data, Slider } from "../view/parts";
+import { Row, Slider } from "../view/parts";
 import { Chart, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { FLAT, Flat, type Point, path, toSvg } from "./Flat";
@@ -238,23 +238,13 @@ function Panel({ page }: { page: Page }) {
       </div>
       <dl>
         {rows.map(([name, label, value]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {say.whole(value)}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {say.whole(value)}
+          </Row>
         ))}
-        <div>
-          <dt>{texts.missed}</dt>
-          <dd>
-            <Data name="missed" value={answer.missed}>
-              {say.percent(answer.missed_share)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="missed" label={texts.missed} value={answer.missed}>
+          {say.percent(answer.missed_share)}
+        </Row>
       </dl>
     </>
   );

@@ -1,5 +1,5 @@
 // A bicubic patch: sixteen points to move, their weights painted on the surface, and a curve that slides across.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type Layer, type Picture, type Vec3, type View, eyeOf, rampStops } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, points, view, word } from "./fragment";
@@ -337,14 +337,9 @@ function Panel({ page }: { page: Page }) {
             )}
           </div>
           <dl>
-            <div>
-              <dt>{texts.sum}</dt>
-              <dd>
-                <Data name="sum" value={answer.sum}>
-                  {say.fixed(answer.sum, 3)}
-                </Data>
-              </dd>
-            </div>
+            <Row name="sum" label={texts.sum} value={answer.sum}>
+              {say.fixed(answer.sum, 3)}
+            </Row>
           </dl>
         </>
       ) : (

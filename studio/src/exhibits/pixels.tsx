@@ -1,5 +1,5 @@
 // Triangles over a grid of pixels: each pixel asks the three edge functions at its centre, and blends the corners' colours.
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Row } from "../view/parts";
 import { css } from "../viewer/color";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, kept, path, toSvg } from "./Flat";
@@ -374,32 +374,17 @@ function Panel({ page }: { page: Page }) {
         choose={(rule) => set({ rule })}
       />
       <dl>
-        <div>
-          <dt>{texts.area}</dt>
-          <dd>
-            <Data name="area" value={answer.area}>
-              {say.fixed(answer.area)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="area" label={texts.area} value={answer.area}>
+          {say.fixed(answer.area)}
+        </Row>
         {isPair && (
           <>
-            <div>
-              <dt>{texts.twice}</dt>
-              <dd>
-                <Data name="twice" value={answer.twice}>
-                  {say.whole(answer.twice)}
-                </Data>
-              </dd>
-            </div>
-            <div>
-              <dt>{texts.missed}</dt>
-              <dd>
-                <Data name="missed" value={answer.missed}>
-                  {say.whole(answer.missed)}
-                </Data>
-              </dd>
-            </div>
+            <Row name="twice" label={texts.twice} value={answer.twice}>
+              {say.whole(answer.twice)}
+            </Row>
+            <Row name="missed" label={texts.missed} value={answer.missed}>
+              {say.whole(answer.missed)}
+            </Row>
           </>
         )}
       </dl>
@@ -412,14 +397,9 @@ function Panel({ page }: { page: Page }) {
         {answer.chosen.map(({ edges, weights }, i) => (
           <dl key={i}>
             {edges.map((edge, k) => (
-              <div key={k} class={edge > 0 ? "sided left" : edge < 0 ? "sided right" : ""}>
-                <dt>{state.show === "signs" ? texts.edge(EDGES[i]![k]!) : texts.weight(NAMES[[0, i + 1, i + 2][k]!]!)}</dt>
-                <dd>
-                  <Data name={`edge-${i}-${k}`} value={state.show === "signs" ? edge : (weights?.[k] ?? null)}>
-                    {state.show === "signs" ? say.fixed(edge) : weights ? say.fixed(weights[k]!, 3) : "–"}
-                  </Data>
-                </dd>
-              </div>
+              <Row key={k} class={edge > 0 ? "sided left" : edge < 0 ? "sided right" : ""} name={`edge-${i}-${k}`} label={state.show === "signs" ? texts.edge(EDGES[i]![k]!) : texts.weight(NAMES[[0, i + 1, i + 2][k]!]!)} value={state.show === "signs" ? edge : (weights?.[k] ?? null)}>
+                {state.show === "signs" ? say.fixed(edge) : weights ? say.fixed(weights[k]!, 3) : "–"}
+              </Row>
             ))}
           </dl>
         ))}

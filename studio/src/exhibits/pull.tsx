@@ -1,5 +1,5 @@
 // A cage that is pulled: the limit surface follows its corners, edges become creases, and what a corner influences is painted.
-import { Figure as Data } from "../view/parts";
+import { Row } from "../view/parts";
 import { type Picture, type Projector, type Vec3, type View, rampStops } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, numbers, points, view } from "./fragment";
@@ -270,22 +270,12 @@ function Panel({ page }: { page: Page }) {
             {say.whole(state.creases.length)} / {say.whole(answer.edges.length)}
           </dd>
         </div>
-        <div>
-          <dt>{texts.touched}</dt>
-          <dd>
-            <Data name="touched" value={answer.touched}>
-              {say.percent(answer.touched)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.points}</dt>
-          <dd>
-            <Data name="points" value={answer.points}>
-              {say.whole(answer.points)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="touched" label={texts.touched} value={answer.touched}>
+          {say.percent(answer.touched)}
+        </Row>
+        <Row name="points" label={texts.points} value={answer.points}>
+          {say.whole(answer.points)}
+        </Row>
       </dl>
     </>
   );

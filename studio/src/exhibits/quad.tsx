@@ -1,5 +1,5 @@
 // Three corners define a plane. The fourth corner of a quad can leave it, and then the surface depends on the diagonal.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Figure as Data, Row, Slider } from "../view/parts";
 import type { Picture, Vec3, View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, view, word } from "./fragment";
@@ -282,14 +282,9 @@ function Panel({ page }: { page: Page }) {
                 </dd>
               </div>
             ))}
-            <div>
-              <dt>{texts.rise}</dt>
-              <dd>
-                <Data name="rise" value={answer.middle_rise}>
-                  {say.fixed(answer.middle_rise, 3)}
-                </Data>
-              </dd>
-            </div>
+            <Row name="rise" label={texts.rise} value={answer.middle_rise}>
+              {say.fixed(answer.middle_rise, 3)}
+            </Row>
           </dl>
         </>
       )}

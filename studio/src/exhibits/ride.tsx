@@ -1,6 +1,6 @@
 // A camera rides along a path that is C1 or C2: the picture from it, its acceleration, and the jerk where pieces join.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import type { Picture, Vec3, View } from "../viewer";
 import { Chart, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -329,14 +329,9 @@ function Panel({ page }: { page: Page }) {
         )}
       </Chart>
       <dl>
-        <div>
-          <dt>{texts.now}</dt>
-          <dd>
-            <Data name="push" value={sizes[i]!}>
-              {say.fixed(sizes[i]!)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="push" label={texts.now} value={sizes[i]!}>
+          {say.fixed(sizes[i]!)}
+        </Row>
       </dl>
       <div>
         <p class="legend arrows">

@@ -1,5 +1,5 @@
 // One polynomial through many points against a spline: if one point is moved, how far does the rest move?
-import { Figure as Data, Slider } from "../view/parts";
+import { Row, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Flat, longPath, type Point, path, toSvg } from "./Flat";
 import { number } from "./fragment";
@@ -231,14 +231,9 @@ function Panel({ page }: { page: Page }) {
       />
       <dl>
         {rows.map(([name, label, value]) => (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={name} value={value}>
-                {say.number(value)}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={name} label={label} value={value}>
+            {say.number(value)}
+          </Row>
         ))}
       </dl>
     </>

@@ -1,6 +1,6 @@
 // Triangles smaller than a pixel shimmer while they turn: one frame, the next one, and the pixels that change between them.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import { type Grey, bitmap } from "./bitmap";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Flat, toSvg } from "./Flat";
@@ -273,30 +273,15 @@ function Panel({ page }: { page: Page }) {
         </tbody>
       </table>
       <dl>
-        <div>
-          <dt>{texts.rms}</dt>
-          <dd>
-            <Data name="rms" value={answer.rms}>
-              {say.percent(answer.rms)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.triangles}</dt>
-          <dd>
-            <Data name="triangles" value={answer.triangles}>
-              {say.whole(answer.triangles)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.missed}</dt>
-          <dd>
-            <Data name="missed" value={answer.missed}>
-              {say.whole(answer.missed)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="rms" label={texts.rms} value={answer.rms}>
+          {say.percent(answer.rms)}
+        </Row>
+        <Row name="triangles" label={texts.triangles} value={answer.triangles}>
+          {say.whole(answer.triangles)}
+        </Row>
+        <Row name="missed" label={texts.missed} value={answer.missed}>
+          {say.whole(answer.missed)}
+        </Row>
       </dl>
     </>
   );

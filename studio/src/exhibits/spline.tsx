@@ -1,5 +1,5 @@
 // A spline that one draws: how smooth it is, and how far a point reaches; beside it the one polynomial through all points.
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Row } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, kept, path } from "./Flat";
 import { flag, number, points, word } from "./fragment";
@@ -237,31 +237,16 @@ function Panel({ page }: { page: Page }) {
           <dt>{texts.points}</dt>
           <dd>{say.whole(state.points.length)}</dd>
         </div>
-        <div>
-          <dt>{texts.class}</dt>
-          <dd>
-            <Data name="class" value={answer.class}>
-              {answer.class === null ? texts.none : `C${answer.class}`}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.beyond}</dt>
-          <dd>
-            <Data name="beyond" value={answer.spline.beyond}>
-              {say.fixed(answer.spline.beyond)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="class" label={texts.class} value={answer.class}>
+          {answer.class === null ? texts.none : `C${answer.class}`}
+        </Row>
+        <Row name="beyond" label={texts.beyond} value={answer.spline.beyond}>
+          {say.fixed(answer.spline.beyond)}
+        </Row>
         {state.single && (
-          <div>
-            <dt>{texts.beyondSingle}</dt>
-            <dd>
-              <Data name="beyond-single" value={answer.polynomial.beyond}>
-                {say.fixed(answer.polynomial.beyond)}
-              </Data>
-            </dd>
-          </div>
+          <Row name="beyond-single" label={texts.beyondSingle} value={answer.polynomial.beyond}>
+            {say.fixed(answer.polynomial.beyond)}
+          </Row>
         )}
       </dl>
     </>

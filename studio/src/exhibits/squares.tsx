@@ -1,5 +1,5 @@
 // Marching squares: samples on a lattice, lines through it, ambiguous cells, and corners that are cut off. Then one cube.
-import { Choice, Figure as Data, Slider } from "../view/parts";
+import { Choice, Row, Slider } from "../view/parts";
 import type { View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path, toSvg } from "./Flat";
@@ -193,22 +193,12 @@ function LatticePanel({ page, answer }: { page: Page; answer: LatticeAnswer }) {
         choose={(method) => set({ method })}
       />
       <dl>
-        <div>
-          <dt>{texts.ambiguous}</dt>
-          <dd>
-            <Data name="ambiguous" value={answer.ambiguous.length}>
-              {String(answer.ambiguous.length)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.segments}</dt>
-          <dd>
-            <Data name="segments" value={answer.segments}>
-              {String(answer.segments)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="ambiguous" label={texts.ambiguous} value={answer.ambiguous.length}>
+          {String(answer.ambiguous.length)}
+        </Row>
+        <Row name="segments" label={texts.segments} value={answer.segments}>
+          {String(answer.segments)}
+        </Row>
         <div>
           <dt>{texts.ofCell}</dt>
           <dd>{say.fixed(answer.error / answer.step)}</dd>

@@ -1,5 +1,5 @@
 // A texture on a triangle: the tangent and bitangent follow the texture coordinates, and a mirrored texture has the other hand.
-import { Figure as Data } from "../view/parts";
+import { Figure as Data, Row } from "../view/parts";
 import { type Picture, type Vec3, type View } from "../viewer";
 import { plus } from "../viewer/view";
 import { CornerLabels } from "./CornerLabels";
@@ -349,14 +349,9 @@ function Panel({ page }: { page: Page }) {
             ))}
           </dd>
         </div>
-        <div>
-          <dt>{texts.area}</dt>
-          <dd>
-            <Data name="uv-area" value={answer.uv_area}>
-              {say.fixed(answer.uv_area)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="uv-area" label={texts.area} value={answer.uv_area}>
+          {say.fixed(answer.uv_area)}
+        </Row>
       </dl>
     </>
   );

@@ -1,6 +1,6 @@
 // Sphere tracing, step by step: the value is the distance that a ray may safely advance.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { Figure as Data, Slider } from "../view/parts";
+import { Row, Slider } from "../view/parts";
 import { type Picture, type View, fieldProgram, rampStops } from "../viewer";
 import { Chart, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -252,22 +252,12 @@ function Panel({ page }: { page: Page }) {
         choose={(shown) => set({ shown })}
       />
       <dl>
-        <div>
-          <dt>{texts.left}</dt>
-          <dd>
-            <Data name="left" value={step.value}>
-              {say.number(step.value)}
-            </Data>
-          </dd>
-        </div>
-        <div>
-          <dt>{texts.gone}</dt>
-          <dd>
-            <Data name="gone" value={step.t}>
-              {say.fixed(step.t)}
-            </Data>
-          </dd>
-        </div>
+        <Row name="left" label={texts.left} value={step.value}>
+          {say.number(step.value)}
+        </Row>
+        <Row name="gone" label={texts.gone} value={step.t}>
+          {say.fixed(step.t)}
+        </Row>
       </dl>
       <Chart
         name={texts.fan}

@@ -1,5 +1,5 @@
 // Three weights interpolate the values at three corners; with four corners they are not unique.
-import { Choice, Figure as Data } from "../view/parts";
+import { Choice, Figure as Data, Row } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
 import { point, points, word } from "./fragment";
@@ -271,23 +271,13 @@ function Panel({ page }: { page: Page }) {
           {state.corners === "4" && <h3>{texts.cutAlong(i ? NAMES.second : NAMES.first)}</h3>}
           <dl>
             {blend.rows.map((row, k) => (
-              <div key={row}>
-                <dt>{texts.weight("ABCD"[row]!)}</dt>
-                <dd>
-                  <Data name={`weight-${i}-${k}`} value={blend.weights[k]!}>
-                    {say.fixed(blend.weights[k]!, 3)}
-                  </Data>
-                </dd>
-              </div>
+              <Row key={row} name={`weight-${i}-${k}`} label={texts.weight("ABCD"[row]!)} value={blend.weights[k]!}>
+                {say.fixed(blend.weights[k]!, 3)}
+              </Row>
             ))}
-            <div>
-              <dt>{texts.sum}</dt>
-              <dd>
-                <Data name={`sum-${i}`} value={blend.sum}>
-                  {say.fixed(blend.sum, 3)}
-                </Data>
-              </dd>
-            </div>
+            <Row name={`sum-${i}`} label={texts.sum} value={blend.sum}>
+              {say.fixed(blend.sum, 3)}
+            </Row>
             <div>
               <dt>{texts.swatch}</dt>
               <dd class="with-swatch">

@@ -303,7 +303,7 @@ function Guess({ id, plan, guess, facts, words }: GuessProps) {
       <form hidden aria-labelledby={`ask-${id}`}>
         {plan.kind === "number" ? (
           <label>
-            <span class="spoken-only">{words.yourGuess}</span>
+            <span class="spoken">{words.yourGuess}</span>
             <input type="number" inputmode="decimal" step="any" min="0" required /> {guess.unit}
           </label>
         ) : (

@@ -14,6 +14,26 @@ export function Figure({ name, value, children }: { name: string; value: number 
   );
 }
 
+interface RowProps {
+  name: string;
+  label: ComponentChildren;
+  value: number | null;
+  class?: string;
+  children: ComponentChildren;
+}
+
+/** A line of a list of numbers: what it is, and the number. */
+export const Row = ({ name, label, value, class: kind, children }: RowProps) => (
+  <div class={kind}>
+    <dt>{label}</dt>
+    <dd>
+      <Figure name={name} value={value}>
+        {children}
+      </Figure>
+    </dd>
+  </div>
+);
+
 interface ChoiceProps<V extends string | number> {
   name: string;
   legend: string;

@@ -1,8 +1,8 @@
 // Asks in place for what the input still lacks: the files that a script reads, the text that a font sets, the height of a
 // drawing, and the level of a volume's surface.
-import { useRef } from "preact/hooks";
 import { Slider } from "../view/parts";
 import { type Bench, isDrawing, isVolume, split, without } from "./document";
+import { FilePicker } from "./FilePicker";
 import { isFont, lackOf } from "./lack";
 import { PANEL_TEXTS } from "./panel_texts";
 import { TextField } from "./TextField";
@@ -48,7 +48,6 @@ export function withOption(options: string, name: string, value: string | null):
 function FileAsk({ page }: { page: Page }) {
   const { state, control, language } = page;
   const words = PANEL_TEXTS[language];
-  const picker = useRef<HTMLInputElement>(null);
   const lack = lackOf(state);
   if (!lack) return null;
   const { name, isFont } = lack;
@@ -58,19 +57,11 @@ function FileAsk({ page }: { page: Page }) {
   return (
     <div class="ask" role="group" aria-label={words.ask}>
       <p>{name === null ? words.askFontArgument : words.askFile(name)}</p>
-      <button type="button" data-ask="file" onClick={() => picker.current?.click()}>
-        {isFont ? words.chooseFont : words.chooseFile}
-      </button>
-      <input
-        ref={picker}
-        type="file"
-        hidden
+      <FilePicker
+        asks="file"
+        label={isFont ? words.chooseFont : words.chooseFile}
         {...(isFont ? { accept: FONTS } : {})}
-        aria-label={isFont ? words.chooseFont : words.chooseFile}
-        onChange={(event) => {
-          void add(event.currentTarget.files?.[0]);
-          event.currentTarget.value = "";
-        }}
+        chosen={([file]) => void add(file)}
       />
     </div>
   );

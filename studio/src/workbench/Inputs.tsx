@@ -1,10 +1,10 @@
 // The inputs of the bench: a script or a file, its parameters, its options, and the error budget.
-import { useRef } from "preact/hooks";
 import { Choice, Slider } from "../view/parts";
 import { Asks } from "./Asks";
 import { CarriedNote } from "./Carried";
 import { lineIn } from "./command_zh";
 import { type Bench, type BudgetKind, isScript, viewText } from "./document";
+import { FilePicker } from "./FilePicker";
 import { LAYOUT_TEXTS } from "./layout/texts";
 import { Script } from "./Script";
 import { ShelfBar } from "./Shelf";
@@ -21,25 +21,10 @@ const WHOLE = 5;
 export function Inputs({ page }: { page: Page }) {
   const { words, state, control, say } = page;
   const { bench } = state;
-  const picker = useRef<HTMLInputElement>(null);
   return (
     <section class="inputs" aria-label={words.file}>
       <ShelfBar page={page}>
-        <button type="button" onClick={() => picker.current?.click()}>
-          {words.open}
-        </button>
-        <input
-          ref={picker}
-          type="file"
-          multiple
-          hidden
-          aria-label={words.open}
-          onChange={(event) => {
-            void control?.open([...(event.currentTarget.files ?? [])]);
-            // Otherwise opening the same file once more would be no change.
-            event.currentTarget.value = "";
-          }}
-        />
+        <FilePicker label={words.open} multiple chosen={(files) => void control?.open(files)} />
         <button type="button" disabled={!state.past.length} aria-label={words.undo} title={words.undo} onClick={() => control?.undo()}>
           ↶
         </button>

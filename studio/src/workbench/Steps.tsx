@@ -1,7 +1,8 @@
 // Steps that replace the shape by another one: union, difference or intersection with a solid, and baking into a grid.
-import { useRef, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { Choice } from "../view/parts";
 import { type Bench, stem } from "./document";
+import { FilePicker } from "./FilePicker";
 import { isBroken } from "./outdated";
 import type { Page } from "./words";
 
@@ -12,9 +13,13 @@ const CELLS = "64";
 export function Steps({ page }: { page: Page }) {
   const { words, state, control } = page;
   const { bench } = state;
-  const picker = useRef<HTMLInputElement>(null);
   const [cells, setCells] = useState(CELLS);
   const combine = (change: Bench["combine"], files = bench.files) => control?.put({ ...bench, files, combine: change });
+  const combineWith = async (file: File | undefined) => {
+    if (!file) return;
+    const name = file.name === bench.name ? `other-${file.name}` : file.name;
+    combine({ how: "union", name }, { ...bench.files, [name]: new Uint8Array(await file.arrayBuffer()) });
+  };
   return (
     <section class="panel steps-panel">
       <h2>{words.combine}</h2>
@@ -32,23 +37,8 @@ export function Steps({ page }: { page: Page }) {
           </button>
         </>
       ) : (
-        <button type="button" onClick={() => picker.current?.click()}>
-          {words.combineWith}
-        </button>
+        <FilePicker label={words.combineWith} chosen={([file]) => void combineWith(file)} />
       )}
-      <input
-        ref={picker}
-        type="file"
-        hidden
-        aria-label={words.combineWith}
-        onChange={async (event) => {
-          const file = event.currentTarget.files?.[0];
-          event.currentTarget.value = "";
-          if (!file) return;
-          const name = file.name === bench.name ? `other-${file.name}` : file.name;
-          combine({ how: "union", name }, { ...bench.files, [name]: new Uint8Array(await file.arrayBuffer()) });
-        }}
-      />
       <h2>{words.bake}</h2>
       <label class="field">
         {words.cells}

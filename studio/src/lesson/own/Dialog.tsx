@@ -1,8 +1,9 @@
 // The dialogue by which a reader brings a shape: a file, some lines of a script, or one of the examples.
-import { useRef, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import type { Language } from "../../exhibits/say";
 import { bench } from "../../workbench/document";
 import { type Example, PICTURE, example, pictureOf } from "../../workbench/examples";
+import { FilePicker } from "../../workbench/FilePicker";
 import { PANEL_TEXTS } from "../../workbench/panel_texts";
 import { Reason, Working } from "./parts";
 import type { OwnShape } from "./shape";
@@ -24,7 +25,6 @@ interface Props {
 }
 
 export function Dialog({ own, words, language, take, taken }: Props) {
-  const picker = useRef<HTMLInputElement>(null);
   const [script, setScript] = useState(FIRST);
   const [isOver, setOver] = useState(false);
   const { taking, why } = own;
@@ -60,22 +60,7 @@ export function Dialog({ own, words, language, take, taken }: Props) {
         onDragLeave={(event) => !event.currentTarget.contains(event.relatedTarget as Node | null) && setOver(false)}
         onDrop={() => setOver(false)}
       >
-        <button type="button" onClick={() => picker.current?.click()}>
-          {words.choose}
-        </button>{" "}
-        <span class="aside">{words.formats}</span>
-        <input
-          ref={picker}
-          type="file"
-          multiple
-          hidden
-          aria-label={words.choose}
-          onChange={(event) => {
-            take([...(event.currentTarget.files ?? [])]);
-            // Otherwise choosing the same file once more would be no change.
-            event.currentTarget.value = "";
-          }}
-        />
+        <FilePicker label={words.choose} multiple chosen={take} /> <span class="aside">{words.formats}</span>
       </div>
       <form
         onSubmit={(event) => {

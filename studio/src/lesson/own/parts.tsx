@@ -4,7 +4,7 @@ import { FRAME } from "../../exhibits/frame_texts";
 import { Scene } from "../../exhibits/Scene";
 import type { Language } from "../../exhibits/say";
 import { Hint } from "../../view/Hint";
-import { Figure as Data } from "../../view/parts";
+import { Figure as Data, Row } from "../../view/parts";
 import type { Layer } from "../../viewer";
 import { evidenceOf, sizeOf } from "../../workbench/Certificate";
 import { stageIn } from "../../workbench/command_zh";
@@ -96,14 +96,9 @@ export const Rows = ({ page: { say }, rows }: { page: StationPage; rows: readonl
     {rows.map(
       ([label, name, value, shown]) =>
         (shown !== undefined || (value !== null && value !== undefined)) && (
-          <div key={name}>
-            <dt>{label}</dt>
-            <dd>
-              <Data name={`own-${name}`} value={value ?? null}>
-                {shown ?? (Number.isInteger(value) ? say.whole(value!) : say.number(value!))}
-              </Data>
-            </dd>
-          </div>
+          <Row key={name} name={`own-${name}`} label={label} value={value ?? null}>
+            {shown ?? (Number.isInteger(value) ? say.whole(value!) : say.number(value!))}
+          </Row>
         ),
     )}
   </dl>
