@@ -6,6 +6,7 @@ import { number, point } from "./fragment";
 import { Grip, px } from "./Grip";
 import { Scene } from "./Scene";
 import type { Language, Say } from "./say";
+import { unionPath } from "./union";
 
 interface State {
   distance: number;
@@ -207,12 +208,10 @@ function Loupe({ answer, spot, wide, from }: { answer: Answer; spot: State["spot
   const [cx, cy] = [wide - size - 12, size + 12];
   const unit = (2 * size) / answer.loupe;
   const at = (x: number, y: number) => `${px(unit * (x - spot[0]))} ${px(unit * (y - spot[1]))}`;
-  const shapes = (of: Float32Array, corners: number) => {
+  const tenth = (value: number) => Math.round(10 * value) / 10;
+  const triangles = (of: Float32Array) => {
     let d = "";
-    for (let i = 0; i < of.length; i += 2 * corners) {
-      for (let k = 0; k < corners; k++) d += `${k ? "L" : "M"}${at(of[i + 2 * k]!, of[i + 2 * k + 1]!)}`;
-      d += "z";
-    }
+    for (let i = 0; i < of.length; i += 6) d += `M${at(of[i]!, of[i + 1]!)}L${at(of[i + 2]!, of[i + 3]!)}L${at(of[i + 4]!, of[i + 5]!)}z`;
     return d;
   };
   const half = answer.loupe / 2;
@@ -229,8 +228,8 @@ function Loupe({ answer, spot, wide, from }: { answer: Answer; spot: State["spot
         <rect class="glass" x={px(-size)} y={px(-size)} width={px(2 * size)} height={px(2 * size)} />
         {[...NAMES].reverse().map((name) => (
           <g key={name} class={name}>
-            <path class="true-surface" d={shapes(answer[name].truth, 4)} />
-            <path class="chords" d={shapes(answer[name].loupe, 3)} />
+            <path class="true-surface" d={unionPath(answer[name].truth, 4, (x, y) => [tenth(unit * (x - spot[0])), tenth(unit * (y - spot[1]))])} />
+            <path class="chords" d={triangles(answer[name].loupe)} />
           </g>
         ))}
         <path class="rules" d={rules} />

@@ -10,7 +10,7 @@ import handsOfFields from "../exhibits/hands_fields.css?raw";
 import stage from "../exhibits/stage.css?raw";
 
 /** Compressed bytes from which a still is a file. Chosen: a page of forty figures stays below 150 kB. */
-const HEAVY = 5000;
+const HEAVY = 3500;
 
 export interface StillFile {
   file: string;

@@ -22,6 +22,9 @@ const THUMBNAIL = { leastArea: 4, seam: 2.5 };
 
 /** More triangles than this have their corners in whole pixels, relative to the one before: half the bytes. */
 const FEW = 300;
+/** Steps of the light on so many triangles: fewer colours have half the bytes, and neighbours of one colour are one path. Chosen: the
+ * eye sees no step. */
+const TONES = 32;
 /** The factor for the depth of lines and dots, so that they are drawn over the triangles on which they lie. */
 const NEARER = 0.965;
 
@@ -38,7 +41,7 @@ export function still({ layers }: Picture, view: View, size: Size, isThumbnail =
   const drawn = new Set<Layer>(outlines.values());
   const fineness = isThumbnail ? THUMBNAIL : PAGE;
   const shapes = layers.flatMap((layer) =>
-    layer.kind === "mesh" ? faces(layer, at, light, fineness, outlines.get(layer)) : drawn.has(layer) ? [] : shapesOf(layer, at),
+    layer.kind === "mesh" ? faces(layer, at, light, { ...fineness, size }, outlines.get(layer)) : drawn.has(layer) ? [] : shapesOf(layer, at),
   );
   // Sorting is stable: of equal depth, a later layer is drawn over an earlier one.
   return joined(shapes.sort((a, b) => b.depth - a.depth));
@@ -98,7 +101,11 @@ function shapesOf(layer: Exclude<Layer, MeshLayer>, at: Projector): Shape[] {
   }
 }
 
-function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }: typeof PAGE, outline: WireLayer | undefined): Shape[] {
+/** Whether a triangle is seen in no shape of the figure: on a phone it is higher than the still, which is then shown with its surroundings. */
+const isOutside = (places: readonly Vec3[], { width, height }: Size) =>
+  [width, height].some((side, k) => places.every((p) => p[k]! < -side / 6) || places.every((p) => p[k]! > side + side / 6));
+
+function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam, size }: typeof PAGE & { size: Size }, outline: WireLayer | undefined): Shape[] {
   const { positions, indices } = layer;
   const colors = vertexColors(layer);
   const isFine = indices.length < 3 * FEW;
@@ -108,15 +115,20 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3, { leastArea, seam }
     const normal = unit(across(triangle));
     const isFront = dot(normal, minus(at.eye, triangle[0])) > 0;
     if (!isFront && layer.sides === "front") continue;
-    const places = triangle.map((p) => at.to(p)) as [Vec3, Vec3, Vec3];
-    if (areaOf(places) < leastArea) continue;
+    const places = triangle.map((p) => {
+      const [x, y, depth] = at.to(p);
+      return isFine ? [x, y, depth] : [Math.round(x), Math.round(y), depth];
+    }) as unknown as [Vec3, Vec3, Vec3];
+    // In whole pixels some triangles are none.
+    if (areaOf(places) < leastArea || (!isFine && areaOf(places) === 0) || isOutside(places, size)) continue;
     const depth = (places[0][2] + places[1][2] + places[2][2]) / 3;
     const paint = !isFront && layer.back ? layer.back : layer.groups ? layer.groups.paints[layer.groups.of[face]!]! : layer.paint;
     const color = colors ? mean(colors, indices, face) : paint.startsWith("#") ? hex(paint) : undefined;
     const normals = layer.shading === "smooth" ? layer.normals : undefined;
     const towards = normals ? unit(mean(normals, indices, face)) : normal;
     // A back is lit like the front of the triangle with the opposite winding.
-    const cosine = (isFront ? 1 : -1) * dot(towards, light);
+    const exact = (isFront ? 1 : -1) * dot(towards, light);
+    const cosine = isFine ? exact : Math.round(exact * TONES) / TONES;
     const fill = !color ? painted(paint) : css(layer.shading === "none" ? color : lit(color, cosine));
     const d = closed(places, isFine);
     // A thin stroke of the same colour closes the antialiasing seams between neighbours.
