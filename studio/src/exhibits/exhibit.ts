@@ -44,6 +44,8 @@ export interface Exhibit<S extends object, A, T extends CommonTexts> {
   parts: Parts<S>;
   /** The question to the core, without the exhibit's name. */
   question(state: S): Record<string, unknown>;
+  /** Whether a state shows nothing of an answer: until it does, a page loads no core, and its answer is `{}`. */
+  isIdle?(state: S): boolean;
   texts: Record<Language, T>;
   number(page: Page<S, A, T>): LiveNumber;
   Figure: ComponentType<{ page: Page<S, A, T> }>;

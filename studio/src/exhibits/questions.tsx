@@ -124,7 +124,8 @@ function Figure({ page }: { page: Page }) {
   return (
     <ol class="questions" data-figure aria-label={texts.figure}>
       {QUESTIONS.map((question, i) => {
-        const isTurned = state.turned.includes(question);
+        // Its number may still be on the way.
+        const isTurned = state.turned.includes(question) && SHOWN[question][0] in page.answer;
         const front = (
           <>
             <Drawing question={question} />
@@ -175,6 +176,7 @@ function Front({ page, question }: { page: Page; question: Question }) {
   const { state, texts, set } = page;
   const said = state.said[question];
   const say = (value: number | string) => set(({ said }) => ({ said: { ...said, [question]: value } }));
+  const isTurning = state.turned.includes(question);
   const isSaid = typeof said === "number" || (said?.trim().length ?? 0) >= SHORTEST;
   return (
     <>
@@ -191,7 +193,7 @@ function Front({ page, question }: { page: Page; question: Question }) {
         {texts.write}
         <textarea rows={2} maxLength={600} value={typeof said === "string" ? said : ""} onInput={(event) => say(event.currentTarget.value)} />
       </label>
-      <button type="button" disabled={!isSaid} onClick={() => set(({ turned }) => ({ turned: [...turned, question] }))}>
+      <button type="button" disabled={!isSaid || isTurning} aria-busy={isTurning} onClick={() => set(({ turned }) => ({ turned: [...turned, question] }))}>
         {texts.turn}
       </button>
     </>
@@ -255,6 +257,8 @@ export default exhibit<State, Answer, Texts>({
   defaults,
   parts: { turned: ["n", words(QUESTIONS, QUESTIONS.length)] },
   question: () => ({ asked: QUESTIONS.map(initialQuestion) }),
+  // The core is loaded while the reader chooses or writes a first answer.
+  isIdle: ({ turned, said }) => turned.length === 0 && Object.keys(said).length === 0,
   texts,
   number: liveNumber,
   Figure,

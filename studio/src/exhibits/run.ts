@@ -61,6 +61,10 @@ export class Run {
 
   /** Asks the question of the current state, unless it is the one that was asked last. */
   ask(): void {
+    if (this.exhibit.isIdle?.(this.state)) {
+      if (this.answer === undefined) this.answered({});
+      return;
+    }
     const question = { exhibit: this.id, ...this.exhibit.question(this.state) };
     const text = JSON.stringify(question);
     if (text === this.lastQuestion) return;

@@ -11,8 +11,8 @@ const BESIDE_MODULE_BYTES = 200_000;
 
 const pages = readdirSync(DIST).filter((file) => file.endsWith(".html") && (isLong || !/zh\.html$/.test(file)));
 
-/** Without a module of their own: the lesson has the levels of its first picture, the mountain both surfaces. */
-const FULLER: Record<string, number> = { lesson: LIVE_BYTES, mountain: 280_000 };
+/** Without a module of its own: the lesson has the levels of its first picture. */
+const FULLER: Record<string, number> = { lesson: LIVE_BYTES };
 
 const limitOf = (file: string) => (hasOwnModules ? (LARGER[file.split(".")[0]!] ?? LIVE_BYTES) : (FULLER[file.split(".")[0]!] ?? BESIDE_MODULE_BYTES));
 
@@ -38,8 +38,8 @@ test.each(pages)("%s asks for little before its first picture, and until it is l
     if (await page.locator(".scene").count()) await page.waitForSelector(".scene[data-viewer]");
     const files = [...loaded].filter((name) => existsSync(join(DIST, name)));
     const counted = hasOwnModules ? files : files.filter((name) => !name.endsWith(".wasm"));
-    // The lesson's first picture asks no module.
-    expect(files.some((name) => name.endsWith(".wasm"))).toBe(!file.startsWith("lesson"));
+    // The lesson's first picture asks no module, and the questions none before somebody says something.
+    expect(files.some((name) => name.endsWith(".wasm"))).toBe(!/^(lesson|questions)\b/.test(file));
     expect(weight(counted), `until it is live: ${counted.join(", ")}`).toBeLessThan(limitOf(file));
     console.log(`${file}: ${Math.round(weight(counted) / 1000)} kB until it is live`);
   }
