@@ -149,6 +149,8 @@ fn every_answer_is_strict_and_none_speaks_of_other_origins() {
         assert!(!policy.contains("unsafe-inline") && !policy.contains("'unsafe-eval'"), "{policy}");
         assert_eq!(header(&answer, "x-content-type-options"), Some("nosniff"));
         assert_eq!(header(&answer, "cross-origin-resource-policy"), Some("same-origin"));
+        assert_eq!(header(&answer, "cross-origin-opener-policy"), Some("same-origin"));
+        assert_eq!(header(&answer, "cross-origin-embedder-policy"), Some("require-corp"));
         assert_eq!(header(&answer, "referrer-policy"), Some("no-referrer"));
         assert_eq!(header(&answer, "cache-control"), Some("no-store"));
         assert!(!answer.to_ascii_lowercase().contains("access-control-"), "{answer}");

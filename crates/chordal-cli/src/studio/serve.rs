@@ -90,7 +90,15 @@ fn answer<B>(gate: &RequestGate, page: &StudioPage, request: &Request<B>) -> Res
     ] {
         headers.insert(name, HeaderValue::from_static(value));
     }
-    headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
+    // No page of another site shares a process with these, which is what browsers ask of a page whose workers are
+    // to share memory: the workbench computes on several threads.
+    for (name, value) in [
+        ("cross-origin-resource-policy", "same-origin"),
+        ("cross-origin-opener-policy", "same-origin"),
+        ("cross-origin-embedder-policy", "require-corp"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
     response
 }
 
