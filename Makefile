@@ -23,9 +23,12 @@ MODULE_PROFILE ?= page
 MODULE_TARGET ?= wasm32-unknown-unknown
 WEB_PROFILE ?= web
 WASM = $(TARGET)/$(MODULE_TARGET)/$(MODULE_PROFILE)/chordal_wasm.wasm
-WASI = $(TARGET)/wasm32-wasip1/$(WEB_PROFILE)/chordal.wasm
-# Scripts and expressions nest deeper than the 1 MiB that a module has unless it says otherwise.
-export CARGO_TARGET_WASM32_WASIP1_RUSTFLAGS ?= -C link-arg=-zstack-size=16777216
+WASI_TARGET := wasm32-wasip1-threads
+WASI = $(TARGET)/$(WASI_TARGET)/$(WEB_PROFILE)/chordal.wasm
+# Scripts and expressions nest deeper than the 1 MiB that a module has unless it says otherwise. A memory that threads share has
+# a limit: all that a module can address, of which its host may give less (studio/src/core/command.ts).
+export CARGO_TARGET_WASM32_WASIP1_THREADS_RUSTFLAGS ?= -C link-arg=-zstack-size=16777216 \
+	-C link-arg=--max-memory=4294967296
 CHROMIUM ?= /usr/bin/chromium
 VIEW := 1920x1080 fov=45 dist=4
 
@@ -64,7 +67,8 @@ PAGE_LIBRARY = $(dir $(WASM))libchordal_wasm.a
 studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 	$(CARGO) $(PAGE_MODULE)
 	node studio/scripts/link.mjs $(PAGE_LIBRARY)
-	$(CARGO) build --profile $(WEB_PROFILE) --locked -p chordal-cli --no-default-features --target wasm32-wasip1
+	$(CARGO) build --profile $(WEB_PROFILE) --locked -p chordal-cli --no-default-features --features chordal-cli/threads \
+		--target $(WASI_TARGET)
 	cmp -s $(WASI) studio/wasm/command.wasm || cp $(WASI) studio/wasm/command.wasm
 	cd studio && npm run --silent build && node scripts/notebook.mjs
 
@@ -75,8 +79,8 @@ test: export MODULE_PROFILE := web-test
 test: export CHORDAL_PAGE_QUALITY := 5
 # Beside the command the modules share all that it is made of, built once. For its target they have imports, which their
 # hosts in tests refuse; those that are shipped have none, and test-long judges them.
-test: export MODULE_TARGET := wasm32-wasip1
-test: export MODULE_TOO := -p chordal-cli
+test: export MODULE_TARGET := $(WASI_TARGET)
+test: export MODULE_TOO := -p chordal-cli --features chordal-cli/threads
 # To compile the library beside the command is to have a module of it and no archive to link from: one module has every name.
 test: export PAGE_MODULE = build $(MODULE) --features chordal-wasm/exhibits
 test: export PAGE_LIBRARY = $(WASM)
@@ -314,7 +318,7 @@ need-fuzz: need-rust
 		|| { echo "Fuzzing needs cargo-fuzz: run 'cargo install cargo-fuzz'." >&2; exit 1; }
 
 need-wasm: need-rust
-	@for target in wasm32-unknown-unknown wasm32-wasip1; do \
+	@for target in wasm32-unknown-unknown $(WASI_TARGET); do \
 		[ -d "$$(rustc --print sysroot)/lib/rustlib/$$target" ] \
 			|| { command -v rustup > /dev/null && rustup target add $$target; } \
 			|| { echo "The web tests need Rust's target $$target: install rustup and run 'rustup target add $$target'." >&2; exit 1; }; \

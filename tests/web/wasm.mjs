@@ -17,11 +17,15 @@ if (!patchFile) {
 const module = await WebAssembly.compile(await readFile(wasmFile));
 // The module that is shipped has no imports. The one for WASI, which is faster to build, imports its standard library's.
 const imports = WebAssembly.Module.imports(module);
-assert.ok(imports.every(({ module }) => module === "wasi_snapshot_preview1"), "the module asks for nothing from outside");
+const isOwn = ({ module, name }) => module === "wasi_snapshot_preview1" || ["wasi.thread-spawn", "env.memory"].includes(`${module}.${name}`);
+assert.ok(imports.every(isOwn), "the module asks for nothing from outside");
 // Every import is refused except random numbers, which only seed hash tables and so affect no byte.
 const refuse = ({ name }) => [name, name === "random_get" ? () => 0 : () => assert.fail(`the module calls ${name}`)];
 const wasi_snapshot_preview1 = Object.fromEntries(imports.map(refuse));
-const { exports: chordal } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1 });
+const wasi = { "thread-spawn": () => assert.fail("the module starts a thread") };
+const env = { memory: new WebAssembly.Memory({ initial: 2 ** 9, maximum: 2 ** 16, shared: true }) };
+const { exports: chordal } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1, wasi, env });
+chordal._initialize?.();
 
 /** Copies bytes into the module. */
 function give(bytes) {

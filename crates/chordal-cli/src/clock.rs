@@ -1,4 +1,5 @@
 //! Facts of this run alone: its duration and its memory. They are never part of a certificate.
+use crate::threads;
 use chordal::Job;
 use chordal_verbs::report::RunFacts;
 use std::time::Instant;
@@ -15,8 +16,7 @@ impl Clock {
 
     /// Fills in time, memory and threads.
     pub fn fill(self, run: RunFacts, job: &Job) -> RunFacts {
-        let available = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let threads = if job.threads == 0 { available() } else { job.threads };
+        let threads = if job.threads == 0 { threads::available() } else { job.threads };
         RunFacts {
             seconds: Some(self.0.elapsed().as_secs_f64()),
             peak_bytes: peak_bytes(),

@@ -54,6 +54,7 @@ mod stdout_at_start;
 mod studio;
 mod summary;
 mod temp_output;
+mod threads;
 mod verb_run;
 mod verify;
 mod volume;
@@ -96,7 +97,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Progra
     if json {
         console::report_aborts();
     }
-    let result = match cli.verb {
+    let result = threads::run_verb(|| match cli.verb {
         Verb::Mesh(args) if args.watch => watch::run(&args),
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Lod(args) => lod::run(&args),
@@ -114,7 +115,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Progra
         Verb::Language(args) => language::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
         Verb::Man { output } => docs::man(&output),
-    };
+    });
     match result {
         Ok(()) => 0,
         Err(fault) => console::fail(&fault, json),

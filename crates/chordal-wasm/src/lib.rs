@@ -50,6 +50,27 @@ mod study;
 
 use outcome::Outcome;
 
+#[cfg(target_os = "wasi")]
+unsafe extern "C" {
+    /// Of wasi-libc: makes the caller its first thread.
+    fn __wasi_init_tp();
+    /// Of the linker: runs what runs before `main` elsewhere.
+    fn __wasm_call_ctors();
+}
+
+/// To be called first, in the module for `wasm32-wasip1-threads`: without it libc's list of threads is empty and has no
+/// end, on which the first value that belongs to a thread waits for ever. Programs have it in their start, for which Rust
+/// has no counterpart in libraries. The plain module has no libc.
+#[cfg(target_os = "wasi")]
+#[unsafe(no_mangle)]
+pub extern "C" fn _initialize() {
+    // SAFETY: the host calls this once, before anything else, as WASI asks of it.
+    unsafe {
+        __wasi_init_tp();
+        __wasm_call_ctors();
+    }
+}
+
 /// Allocates `len` zeroed bytes. Never null: a module that runs out of memory traps.
 #[unsafe(no_mangle)]
 pub extern "C" fn chordal_alloc(len: usize) -> *mut u8 {

@@ -1,4 +1,5 @@
 // The command's module in a page: fetched and compiled when it is first needed, once for all workers of the page.
+import { Crews, type ThreadWorkerLike, threadsOfPage } from "./crew";
 import { Jobs, type WorkerLike } from "./jobs";
 
 const file = new URL("../../wasm/command.wasm", import.meta.url);
@@ -16,6 +17,11 @@ function module(): Promise<WebAssembly.Module> {
 }
 
 const worker = (): WorkerLike => new Worker(new URL("./command_worker.ts", import.meta.url), { type: "module" });
+const threadWorker = (): ThreadWorkerLike => new Worker(new URL("./thread_worker.ts", import.meta.url), { type: "module" });
 
-/** The lanes of a page, in which it runs the command. */
-export const commandJobs = <Name extends string>(): Jobs<Name> => new Jobs<Name>(module, worker);
+/** The lanes of a page, in which it runs the command, or another module. Without a list the runs of all lanes have threads. */
+export function commandJobs<Name extends string>(threaded?: readonly Name[], of = module): Jobs<Name> {
+  const threads = threadsOfPage();
+  const crews = threads > 1 ? new Crews(threadWorker, threads - 1) : undefined;
+  return new Jobs<Name>(of, worker, crews, (name) => threaded?.includes(name) ?? true);
+}

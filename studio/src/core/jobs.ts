@@ -2,6 +2,7 @@
 // a new run cancels the previous one by ending its worker. The module is compiled once for all workers.
 import type { Files, Outcome, Progress } from "./command";
 import type { Order, Reply } from "./command_worker";
+import { type Crews, MOST_DROPPED_BYTES, type Share } from "./crew";
 
 /** The part of `Worker` that the lanes use; tests pass their own. */
 export interface WorkerLike {
@@ -26,11 +27,14 @@ interface Running {
   resolve(outcome: Outcome): void;
   reject(error: Stopped): void;
   progressed(progress: Progress): void;
+  share?: Share | undefined;
 }
 
 interface Lane {
   worker: WorkerLike;
   running: Running | null;
+  /** Of the memories that this worker has dropped. */
+  bytes: number;
 }
 
 export class Jobs<Name extends string> {
@@ -40,6 +44,10 @@ export class Jobs<Name extends string> {
   constructor(
     private readonly module: () => Promise<WebAssembly.Module>,
     private readonly create: () => WorkerLike,
+    /** Where workers may share memory: who carries the threads of runs. */
+    private readonly crews?: Crews,
+    /** Whether the runs of a lane have threads. */
+    private readonly hasThreads: (name: Name) => boolean = () => true,
   ) {}
 
   /** Runs the command. Rejects with [`Stopped`] after a newer run in the lane, [`cancel`], or a trap. */
@@ -59,7 +67,13 @@ export class Jobs<Name extends string> {
       throw new Stopped("unloaded", String(error));
     });
     // A newer run may have started while the module was loading.
-    if (lane.running?.id === id) lane.worker.postMessage({ id, module, words, files });
+    const { running } = lane;
+    if (running?.id !== id) return outcome;
+    if (this.hasThreads(name)) {
+      const failed = (why: string) => lane.running === running && this.fail(name, lane, why);
+      running.share = this.crews?.share(module, (progress) => lane.running === running && progressed(progress), failed);
+    }
+    lane.worker.postMessage({ id, module, words, files, crew: running.share?.crew });
     return outcome;
   }
 
@@ -74,10 +88,20 @@ export class Jobs<Name extends string> {
   private stop(name: Name, why: "newer" | "cancelled"): void {
     const lane = this.lanes.get(name);
     if (!lane?.running) return;
+    this.end(name, lane, new Stopped(why));
+  }
+
+  private fail(name: Name, lane: Lane, why: string): void {
+    this.end(name, lane, new Stopped("trapped", why));
+  }
+
+  /** Ends a lane with its run, wherever that is. */
+  private end(name: Name, lane: Lane, why: Stopped): void {
     const { running } = lane;
     lane.running = null;
     this.drop(name, lane);
-    running.reject(new Stopped(why));
+    running?.share?.end();
+    running?.reject(why);
   }
 
   private drop(name: Name, lane: Lane): void {
@@ -87,23 +111,21 @@ export class Jobs<Name extends string> {
   }
 
   private start(name: Name): Lane {
-    const lane: Lane = { worker: this.create(), running: null };
+    const lane: Lane = { worker: this.create(), running: null, bytes: 0 };
     this.lanes.set(name, lane);
     lane.worker.onmessage = ({ data }) => {
       const { running } = lane;
       if (data.id !== running?.id) return;
       if ("progress" in data) return running.progressed(data.progress);
-      lane.running = null;
-      if ("outcome" in data) return running.resolve(data.outcome);
       // After a trap the instance may be in any state, so its worker is not reused.
-      this.drop(name, lane);
-      running.reject(new Stopped("trapped", data.trapped));
+      if ("trapped" in data) return this.fail(name, lane, data.trapped);
+      lane.running = null;
+      running.share?.over();
+      lane.bytes += data.bytes;
+      if (lane.bytes > MOST_DROPPED_BYTES) this.drop(name, lane);
+      running.resolve(data.outcome);
     };
-    lane.worker.onerror = (event) => {
-      const { running } = lane;
-      this.drop(name, lane);
-      running?.reject(new Stopped("trapped", event.message));
-    };
+    lane.worker.onerror = (event) => this.fail(name, lane, event.message);
     return lane;
   }
 }

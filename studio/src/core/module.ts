@@ -12,6 +12,8 @@ interface Exports {
   chordal_ladder(address: number, length: number): number;
   chordal_seam(address: number, length: number): number;
   memory: WebAssembly.Memory;
+  /** Of the modules that tests load. */
+  _initialize?(): void;
   chordal_alloc(length: number): number;
   chordal_free(address: number, length: number): void;
   chordal_exit(outcome: number): number;
@@ -26,12 +28,21 @@ interface Exports {
 
 /** ENOSYS of WASI. */
 const NOT_SUPPORTED = 52;
+/** EAGAIN of WASI, negative as its threads ask for it. */
+const NO_THREAD = -6;
 const answer = (name: string | symbol) => () => (name === "random_get" ? 0 : NOT_SUPPORTED);
 /**
  * The host for the WASI modules that tests load. Every import is refused except random numbers, which only seed hash
- * tables and so affect no answer; they are left zero. The modules that are shipped import nothing.
+ * tables and so affect no answer; they are left zero. The memory is as the Makefile links it, and new for each module. The
+ * modules that are shipped import nothing.
  */
-export const HOST = { wasi_snapshot_preview1: new Proxy({}, { get: (_, name) => answer(name) }) };
+export const HOST = {
+  wasi_snapshot_preview1: new Proxy({}, { get: (_, name) => answer(name) }),
+  wasi: { "thread-spawn": () => NO_THREAD },
+  get env() {
+    return { memory: new WebAssembly.Memory({ initial: 2 ** 9, maximum: 2 ** 14, shared: true }) };
+  },
+};
 
 /** The core understood the question and refused it with a message. The module can still be used. */
 export class Refused extends Error {}
@@ -46,7 +57,9 @@ export class Core {
   static async load(bytes: BufferSource): Promise<Core> {
     try {
       const { instance } = await WebAssembly.instantiate(bytes, HOST);
-      return new Core(instance.exports as unknown as Exports);
+      const exports = instance.exports as unknown as Exports;
+      exports._initialize?.();
+      return new Core(exports);
     } catch (error) {
       throw new Broken(String(error));
     }
@@ -74,8 +87,10 @@ export class Core {
     // Growing memory detaches every view, so each view is created right before its use.
     new Uint8Array(core.memory.buffer, address, question.length).set(question);
     const outcome = core[name]!(address, question.length);
-    const bytes = (start: number, length: number) => core.memory.buffer.slice(start, start + length);
-    const text = (start: number, length: number) => new TextDecoder().decode(new Uint8Array(core.memory.buffer, start, length));
+    // Copies: no browser decodes text in a shared memory, as that of the tests' modules is.
+    const copy = (start: number, length: number) => new Uint8Array(core.memory.buffer, start, length).slice();
+    const bytes = (start: number, length: number) => copy(start, length).buffer;
+    const text = (start: number, length: number) => new TextDecoder().decode(copy(start, length));
     const exit = core.chordal_exit(outcome);
     const length = core.chordal_bytes_len(outcome);
     const reply: ModuleReply =

@@ -10,6 +10,7 @@ import { Cupboard } from "./cupboard";
 import { example } from "./examples";
 import { unpack } from "./share";
 import { Shelf, storage } from "./shelf";
+import { THREADED } from "./state";
 import type { Language } from "./texts";
 
 const root = document.getElementById("app")!;
@@ -66,7 +67,7 @@ async function begin(): Promise<void> {
   shelf = new Shelf(storage(), redraw);
   // A shared script is shown and not kept, unless it is one of the shelf's, as after a reload.
   const first = shared ? shelf.known(shared) : (shelf.last() ?? shelf.unkept() ?? example("bracket"));
-  control = new Controller(commandJobs(), first, redraw);
+  control = new Controller(commandJobs(THREADED), first, redraw);
   control.shelf = shelf;
   control.cupboard = new Cupboard(browserDrawer("chordal", "files"));
   root.replaceChildren();

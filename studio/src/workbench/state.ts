@@ -19,6 +19,12 @@ export interface Running extends Progress {
 export type LaneName =
   | "draft" | "proof" | "inspect" | "picture" | "field" | "slice" | "levels" | "step" | "export" | "verify" | "language" | "trace" | "faults";
 
+/**
+ * What works on several threads. The other lanes take a tenth of a second, are soon ended by a newer run, or start just before
+ * the proof, which would find no free thread.
+ */
+export const THREADED: readonly LaneName[] = ["proof", "levels", "step", "export", "verify"];
+
 /** The mesh that is shown. */
 export interface Shown {
   /** The input from which it was made. */

@@ -130,8 +130,8 @@ describe("lanes", () => {
     await expect(old).rejects.toMatchObject({ why: "newer" });
     expect(Worker.all.map(({ isEnded }) => isEnded)).toEqual([true, false, false]);
     await nextTask();
-    Worker.all[1]!.reply({ id: Worker.all[1]!.orders[0]!.id, outcome });
-    Worker.all[2]!.reply({ id: Worker.all[2]!.orders[0]!.id, outcome });
+    Worker.all[1]!.reply({ id: Worker.all[1]!.orders[0]!.id, outcome, bytes: 1 });
+    Worker.all[2]!.reply({ id: Worker.all[2]!.orders[0]!.id, outcome, bytes: 1 });
     expect(await other).toBe(outcome);
     expect(await young).toBe(outcome);
     // An idle worker is used again.

@@ -92,6 +92,8 @@ impl Job {
 
     /// [`Job::run`] for work that is called once and keeps its own result.
     fn enter(&self, work: &mut (dyn FnMut() + Send)) {
+        #[cfg(all(feature = "threads", target_family = "wasm"))]
+        be_a_pool();
         #[cfg(feature = "threads")]
         {
             // Without a number of threads the host's own pool is right; inside a pool of this size nothing
@@ -111,7 +113,7 @@ impl Job {
 
 /// Whether the caller runs on a pool's threads, or the host's pool has any: if the machine grants none, rayon
 /// panics at the first use of that pool.
-#[cfg(feature = "threads")]
+#[cfg(all(feature = "threads", not(target_family = "wasm")))]
 fn has_threads() -> bool {
     use std::{error::Error, sync::OnceLock};
     static HOST: OnceLock<bool> = OnceLock::new();
@@ -126,7 +128,7 @@ fn has_threads() -> bool {
 
 /// The pool with that many threads, started once per process: starting one takes 40 µs, as long as a small
 /// mesh takes. A forked process has none of its parent's threads, and starts its own.
-#[cfg(feature = "threads")]
+#[cfg(all(feature = "threads", not(target_family = "wasm")))]
 fn thread_pool(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
     use std::collections::BTreeMap;
     use std::sync::Arc;
@@ -139,6 +141,29 @@ fn thread_pool(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
     let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
     pools.insert(key, Arc::clone(&pool));
     Some(pool)
+}
+
+/// A module has the threads of the pool in which it was called, and no others: its host has no more ready.
+#[cfg(all(feature = "threads", target_family = "wasm"))]
+fn has_threads() -> bool {
+    rayon::current_thread_index().is_some()
+}
+
+/// Makes the calling thread a pool of one, unless it is in a pool: where a dependency asks for threads, rayon would
+/// otherwise start some, which the host does not have.
+#[cfg(all(feature = "threads", target_family = "wasm"))]
+fn be_a_pool() {
+    if rayon::current_thread_index().is_none() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+        // It is as long there as the thread.
+        std::mem::forget(pool);
+    }
+}
+
+/// None beside the one in which the module was called.
+#[cfg(all(feature = "threads", target_family = "wasm"))]
+fn thread_pool(_threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
+    None
 }
 
 /// For fewer triangles than this, waking another thread takes longer than the work. Derived: at 55 ns each
