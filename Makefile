@@ -72,8 +72,7 @@ studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 	cmp -s $(WASI) studio/wasm/command.wasm || cp $(WASI) studio/wasm/command.wasm
 	cd studio && npm run --silent build && node scripts/notebook.mjs
 
-# The studio's page is built before the command is, and so is in it wherever the tests use it. The module for the page is
-# the library without threads.
+# The studio's page is built before the command is, and so is in it wherever the tests use it.
 test: export WEB_PROFILE := web-test
 test: export MODULE_PROFILE := web-test
 test: export CHORDAL_PAGE_QUALITY := 5
