@@ -253,7 +253,7 @@ export const EN: LessonText = {
         <>
           <p>
             Nobody sculpts a teapot triangle by triangle. Its author placed <Term id="control-point">control points</Term>, sixteen for each patch of surface, and four
-            for a curve, a <Term id="bezier">cubic Bézier</Term>. These four are the spout’s lower side. At t the curve is a blend of its four points by the <Term id="bernstein">Bernstein</Term> weights:
+            for a curve, a <Term id="bezier">cubic Bézier</Term>. These four are the spout’s lower side. At t the curve blends its four points by the <Term id="bernstein">Bernstein</Term> weights:
           </p>
           <Formula>
             (1 − t)³ P₀ + 3t(1 − t)² P₁ + 3t²(1 − t) P₂ + t³ P₃
@@ -515,7 +515,7 @@ export const EN: LessonText = {
       ),
       after: (
         <p>
-          Both are one pixel off at most, even in a corner of the screen. That is {metres(say, facts.levels.pixel.teapot)} on the teapot, and{" "}
+          Both are one pixel off at most. That is {metres(say, facts.levels.pixel.teapot)} on the teapot, and{" "}
           {metres(say, facts.levels.pixel.mountain)} on the mountain. Step back to <Set figure="levels" to={{ stop: 4 }}>{metres(say, DISTANCES[4]!)}</Set>, and the teapot needs {say.whole(facts.levels.far.teapot)}; the mountain does not notice.
         </p>
       ),
