@@ -62,8 +62,13 @@ test("every fold opens and closes by keyboard, in the figures, the code, the tab
   await guessAll(page);
   for (const id of FIGURES) {
     const figure = page.locator(`[data-figure-of="${id}"]`);
-    await figure.locator(".stage").first().evaluate((element) => element.scrollIntoView({ behavior: "instant" }));
-    await page.waitForSelector(`[data-figure-of="${id}"][data-live="awake"]`, { timeout: 50_000 });
+    // Scrolled to again and again: what wakes above it moves it out of sight.
+    const isAwake = (id: string) => {
+      const figure = document.querySelector<HTMLElement>(`[data-figure-of="${id}"]`)!;
+      figure.querySelector(".stage")!.scrollIntoView({ behavior: "instant" });
+      return figure.dataset.live === "awake";
+    };
+    await page.waitForFunction(isAwake, id, { polling: 500, timeout: 50_000 });
     const [fold, rest] = [figure.locator(".fold"), figure.locator(".rest")];
     expect(await rest.isVisible(), id).toBe(false);
     expect(await fold.getAttribute("aria-controls"), id).toBe(await rest.getAttribute("id"));
