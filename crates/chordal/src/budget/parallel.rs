@@ -146,14 +146,15 @@ fn thread_pool(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
 /// A module has the threads of the pool in which it was called, and no others: its host has no more ready.
 #[cfg(all(feature = "threads", target_family = "wasm"))]
 fn has_threads() -> bool {
-    rayon::current_thread_index().is_some()
+    rayon::current_thread_index().is_some() // No order depends on it.
 }
 
 /// Makes the calling thread a pool of one, unless it is in a pool: where a dependency asks for threads, rayon would
 /// otherwise start some, which the host does not have.
 #[cfg(all(feature = "threads", target_family = "wasm"))]
 fn be_a_pool() {
-    if rayon::current_thread_index().is_none() {
+    let is_outside = rayon::current_thread_index().is_none(); // No order depends on it.
+    if is_outside {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
         // It is as long there as the thread.
         std::mem::forget(pool);
