@@ -30,6 +30,8 @@ afterAll(async () => {
 
 /** When each was first visible, in milliseconds of the page's clock; 0 for never. */
 interface Times {
+  /** Whether a drag is measured, and not the opening of the page. */
+  isDrag: boolean;
   moved: number;
   up: number;
   draft: number;
@@ -40,23 +42,27 @@ interface Times {
 async function keepTimes(page: Page): Promise<void> {
   page.setDefaultTimeout(STEP_MS);
   await page.addInitScript(() => {
-    const times: Times = { moved: 0, up: 0, draft: 0, proved: 0 };
+    const times: Times = { isDrag: false, moved: 0, up: 0, draft: 0, proved: 0 };
     Object.assign(window, { times });
     addEventListener("pointermove", (event: PointerEvent) => (times.moved ||= event.buttons ? event.timeStamp : 0), true);
     addEventListener("pointerup", (event) => (times.up = event.timeStamp), true);
     // Not the time of the frame, which on a busy machine is long past when it is drawn.
-    const seen = (what: "draft" | "proved") => requestAnimationFrame(() => (times[what] ||= performance.now()));
+    const seen = (what: "draft" | "proved") =>
+      requestAnimationFrame(() => {
+        // A frame that was asked for before a drag comes after its begin.
+        if (!times.isDrag || (what === "draft" ? times.moved : times.up)) times[what] ||= performance.now();
+      });
     new MutationObserver(() => {
       const big = document.querySelector(".certificate .big");
       if (!big || !document.querySelector('.scene[data-viewer="webgl"]')) return;
       if (big.classList.contains("draft")) seen("draft");
-      // A proof that was shown before the end of the drag belongs to the text before.
-      else if (!times.moved || times.up) seen("proved");
+      // A proof that is shown before the end of the drag, or still at its begin, belongs to the text before.
+      else if (!times.isDrag || times.up) seen("proved");
     }).observe(document, { subtree: true, childList: true, attributes: true, characterData: true });
   });
 }
 
-const until = (page: Page, what: keyof Times) =>
+const until = (page: Page, what: Exclude<keyof Times, "isDrag">) =>
   page.waitForFunction((what) => (window as unknown as { times: Times }).times[what] > 0, what);
 const timesOf = (page: Page): Promise<Times> => page.evaluate(() => (window as unknown as { times: Times }).times);
 
@@ -90,7 +96,7 @@ test.each(["bracket", "gear", "vase", "badge"] as const)("%s", async (name) => {
     await page.mouse.down();
     await page.evaluate(() => {
       const { times } = window as unknown as { times: Times };
-      Object.assign(times, { moved: 0, up: 0, draft: 0, proved: 0 });
+      Object.assign(times, { isDrag: true, moved: 0, up: 0, draft: 0, proved: 0 });
     });
     // Back and forth.
     await page.mouse.move(left + (i % 2 ? -WAY_PX : WAY_PX), top);

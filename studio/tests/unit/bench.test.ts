@@ -14,6 +14,7 @@ test("a value within its limit is right, and one beyond it is wrong", () => {
   expect(judged("frames", "ball", 60, known)).toEqual({ isMiss: false });
   expect(judged("frames", "ball", 59, known).wrong).toContain("beyond the limit of 60 /s");
   expect(judged("draft", "bracket", Number.NaN, known).wrong).toContain("not measured");
+  expect(judged("proof", "bracket", -180, known).wrong).toContain("not measured");
 });
 
 test("a known miss may stay, with a margin, but not get worse", () => {
