@@ -1,7 +1,7 @@
 // A 3D figure with handles over it: the viewer with WebGL; the same layers as flat shapes until it is ready, without WebGL,
 // and in print.
 import { createContext, options } from "preact";
-import { useContext, useEffect, useRef, useState } from "preact/hooks";
+import { useContext, useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Children } from "./exhibit";
 import { Grip } from "./Grip";
 import { takeShapes } from "./kept";
@@ -148,7 +148,8 @@ export function Scene(props: SceneProps) {
     };
   }, [isAwake]);
 
-  useEffect(() => {
+  // Not after the next frame, which would show the old shape once more.
+  useLayoutEffect(() => {
     viewer.current?.look(view, shift);
     viewer.current?.draw(picture);
   });

@@ -110,8 +110,9 @@ export class Viewer {
     this.resize();
   }
 
-  /** Shows these layers and no others. */
+  /** Shows these layers and no others. Draws only if one of them, or the section, differs. */
   draw(picture: Picture): void {
+    let isChanged = !isSame(picture.section, this.section, false);
     // A plane that moves is the same object for the materials; one that comes or goes changes which triangles are drawn.
     const isCutAnew = picture.section?.paint !== this.section?.paint;
     this.picture = picture;
@@ -127,13 +128,21 @@ export class Viewer {
       const isCut = isCutAnew && shown.layer.kind !== "field";
       if (!layer || isCut || !isSame(layer, shown.layer, true)) this.remove(id, shown);
       else if (!isSame(layer, shown.layer, false)) this.reshape(shown, layer);
+      else continue;
+      isChanged = true;
     }
-    for (const layer of picture.layers) if (!this.shown.has(layer.id)) this.add(layer);
-    this.request();
+    for (const layer of picture.layers) {
+      if (this.shown.has(layer.id)) continue;
+      this.add(layer);
+      isChanged = true;
+    }
+    if (isChanged) this.request();
   }
 
   /** Shows the picture from a view, with its target `shift` pixels to the right of the middle and below it. */
   look(view: View, shift: readonly [number, number] = [0, 0]): void {
+    // A page calls this whenever anything of it changes, and without a graphics card a frame takes a tenth of a second.
+    if (isSame(view, this.view, false) && isSame(shift, this.shift, false)) return;
     this.view = view;
     this.shift = shift;
     this.request();
