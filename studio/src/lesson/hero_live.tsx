@@ -1,5 +1,6 @@
 // Runs the first picture: plays it once, and stops when the reader takes the handle.
 import { render } from "preact";
+import { keepShapes } from "../exhibits/kept";
 import type { Language } from "../exhibits/say";
 import type { Size } from "../viewer";
 import { HeroBench, type HeroState, REST, START, STILL_STEP } from "./Hero";
@@ -23,7 +24,10 @@ export async function heroLive(element: HTMLElement, language: Language): Promis
   function draw(): void {
     frame ||= requestAnimationFrame(() => {
       frame = 0;
-      if (!isDrawn) element.replaceChildren();
+      if (!isDrawn) {
+        keepShapes(element);
+        element.replaceChildren();
+      }
       isDrawn = true;
       const set = (change: Partial<HeroState>) => {
         stop();

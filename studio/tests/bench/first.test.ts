@@ -65,7 +65,8 @@ async function opened(address: string): Promise<Opened> {
     const { times } = window as unknown as { times: { first: number; live: number } };
     return times.first > 0 && (times.live > 0 || !isLive);
   }, isLive);
-  if (isLive && (await page.locator(".scene").count())) await page.waitForSelector(".scene[data-viewer]");
+  // A scene below the window is only a place for one.
+  if (isLive && (await page.locator(".scene > svg").count())) await page.waitForSelector(".scene[data-viewer]");
   const times = await page.evaluate(() => (window as unknown as { times: { first: number; live: number; task: number } }).times);
   const firstKB = weight([address, ...(await firstFiles(page))]) / 1000;
   await context.close();
