@@ -111,6 +111,7 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/mend.md")]
 #[doc = include_str!("../../../docs/normals.md")]
 #[doc = include_str!("../../../docs/gpu_buffers.md")]
+#[doc = include_str!("../../../docs/offset.md")]
 #[doc = include_str!("../../../docs/outlines_to_mesh.md")]
 #[doc = include_str!("../../../docs/overshade.md")]
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]

@@ -42,6 +42,7 @@ mod mend;
 mod normals;
 mod nurbs_curves;
 mod nurbs_referee;
+mod offsets;
 mod outlines;
 mod outlines_to_solid;
 mod overshade;

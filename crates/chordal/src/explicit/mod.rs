@@ -40,12 +40,11 @@ pub use arc::Arc;
 pub(crate) use arc::ArcPart;
 pub use bezier::Bezier;
 pub(crate) use bezier::bernstein;
-#[cfg(feature = "booleans")]
 pub(crate) use bvh::is_closed;
 pub(crate) use bvh::{Bvh, Enclosure, HitSides, PointLocation, Ray};
 pub(crate) use bvh::{
     OpenEdge, PackedBoxes, WindingMoments, closest_on_triangle, distance_sq_to_triangle,
-    distance_to_triangle_down, open_edges,
+    distance_to_triangle_down, nearest_on_triangle, open_edges,
 };
 pub(crate) use cage::limit::{LimitSheet, LimitSurface};
 pub use cage::{Cage, InvalidCage};

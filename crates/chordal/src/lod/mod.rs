@@ -9,6 +9,7 @@ mod error_monitor;
 mod flat_normals;
 mod lattice_fragment;
 mod local_tolerance;
+mod mesh_to_offset;
 mod quadric;
 mod reduction;
 mod region_tree;
@@ -25,6 +26,7 @@ mod zero_area;
 
 pub use chain::{LodLevel, LodSource, LodSteps, chain};
 pub use conforming::simplify_conforming;
+pub use mesh_to_offset::mesh_to_offset;
 pub use reduction::ReductionStats;
 pub use simplified_mesh::SimplifiedMesh;
 pub use simplify::simplify;

@@ -293,6 +293,13 @@ impl<'a> MeshReduction<'a> {
         if self.run_engine(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
+    /// Collapses edges whose mean distance from planes of the original stays within the tolerance. Nobody looks at the
+    /// original itself.
+    pub fn run_by_planes(&mut self, tolerance: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+        let until = StopCriterion { faces: 0, tolerance, share: Some(1.0) };
+        if self.run_engine(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
+    }
+
     /// Continues from the current state, with a larger tolerance.
     pub fn run_on(&mut self, faces: usize, tolerance: &LocalTolerance, job: &Job) -> Result<(), JobError> {
         let until = StopCriterion { faces, tolerance, share: None };

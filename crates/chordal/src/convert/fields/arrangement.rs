@@ -24,8 +24,8 @@
 //! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for
 //! Piecewise Linear Functions*, 2022.
 // Long because figures stand beside the steps that they explain.
-use super::tetrahedra::IntegerMap;
 use crate::implicit::{CsgRestriction, CsgTree, Membership};
+use crate::math::IntegerMap;
 use crate::math::determinants::{perturbed_sign, sign2, sign3, sign4};
 use std::cell::RefCell;
 use std::cmp::Ordering;

@@ -9,8 +9,8 @@ use super::cells::ZeroSide;
 use super::grid::{FieldGrid, GridCell};
 use super::polygon_triangulation::triangulate;
 use super::sizing::SizingPoint;
-use super::tetrahedra::IntegerMap;
 use crate::budget::{Job, par_map};
+use crate::math::IntegerMap;
 use crate::math::determinants::{common_zero3, common_zero4};
 use crate::math::{greater, lesser};
 

@@ -10,10 +10,11 @@ use super::cells::{
 };
 use super::sampled_signs::SampledSigns;
 use super::sizing::{SizingField, SizingPoint};
-use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};
+use super::tetrahedra::{IntegerBox, Tetrahedra, Tetrahedron};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
 use crate::implicit::{Csg, DualRange, LeafError, Membership, PrimitiveEvaluator};
+use crate::math::IntegerMap;
 use crate::math::{Box3, greater, length};
 use std::sync::Arc;
 

@@ -37,6 +37,13 @@ pub(crate) fn closest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 
     triangle::closest_point(q, corners).barycentric
 }
 
+/// The closest point of a triangle to `q`.
+#[inline]
+pub(crate) fn nearest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
+    let [u, v, w] = closest_on_triangle(q, corners);
+    std::array::from_fn(|k| u * corners[0][k] + v * corners[1][k] + w * corners[2][k])
+}
+
 /// The squared distance from a point to a triangle, up to rounding.
 #[inline]
 pub(crate) fn distance_sq_to_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {

@@ -1,9 +1,9 @@
 //! Thin walls: if another sheet is nearer than the tolerance, the aim is a fraction of the distance to it.
-use super::super::tetrahedra::IntegerMap;
 use super::face_tree::FaceBox;
 use super::{FaceLabel, SurfaceImprover, area_normal};
 use crate::budget::par_map;
 use crate::implicit::LeafError;
+use crate::math::IntegerMap;
 use crate::math::{greater, lesser};
 use glam::DVec3;
 
