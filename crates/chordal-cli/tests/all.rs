@@ -22,6 +22,7 @@ mod letters;
 mod lod;
 mod mend;
 mod normals;
+mod offset;
 mod output;
 mod parts;
 mod patches;

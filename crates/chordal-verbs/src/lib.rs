@@ -71,6 +71,7 @@ pub use lod::{LodLens, LodOutcome, LodParts, LodSpec, TileErrors, lod};
 pub use lod::{PartTile, TileEntry, part_tile, part_tileset, rounded_part};
 pub use mend::{MendSpec, WeldTolerance, mend};
 pub use mesh::cage::{ControlMesh, RefineOutcome, refine, refined_cage};
+pub use mesh::offset::SolidOffset;
 pub use mesh::{mesh, needs_budget};
 pub use outcome::{MeshOutcome, Tessellation};
 pub use output::normals::{InvalidNormals, Normals};

@@ -1,7 +1,8 @@
 //! `BudgetSpec`: a budget as a user requests it, before the shape is known; and the time limit, which is the same in every
 //! front end. Front ends measure the time: there is no clock here.
 use crate::formats::extensions_where;
-use crate::{MeshFailure, Normals, Shape};
+use crate::mesh::offset::SolidOffset;
+use crate::{Input, MeshFailure, Normals, Shape};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::proof::ProofEffort;
@@ -41,6 +42,8 @@ pub struct BudgetSpec {
     pub extrude: Option<Length>,
     /// The width of the bevels at 45° along the edges of that solid; without it they stay sharp.
     pub bevel: Option<Length>,
+    /// Another surface of the solid that triangles bound.
+    pub offset: Option<SolidOffset>,
     /// The normals of the triangles.
     pub normals: Normals,
     /// The required evidence. The default is a proof; for a field with a part whose ranges are unknown, a
@@ -82,12 +85,50 @@ impl BudgetSpec {
                 format!("only drawings and letters are raised to a height, and this is {}", shape.kind());
             return Err(MeshFailure::Usage(message.into()));
         }
-        let resolve = |length: Length| {
-            let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
-            let resolved = length.resolve(diagonal, shape.frame().metres_per_unit);
-            Ok::<_, MeshFailure>(resolved.map_err(MeshFailure::Length)?.get())
-        };
-        Ok(Some(DrawnSolid { height: resolve(height)?, bevel: self.bevel.map(resolve).transpose()? }))
+        let bevel = self.bevel.map(|bevel| resolved(bevel, shape)).transpose()?;
+        Ok(Some(DrawnSolid { height: resolved(height, shape)?, bevel }))
+    }
+
+    /// The same spec with a length, if nothing else limits the error of an offset: a twentieth of the distance.
+    #[must_use]
+    pub fn with_usual_length(&self) -> Self {
+        let length =
+            self.length.or(self.offset.filter(|_| !self.has_limit()).map(SolidOffset::default_length));
+        Self { length, ..*self }
+    }
+
+    /// Takes the numbers of an STL, which has no unit, as millimetres if a length has a unit, as programs for printers do.
+    /// Returns a sentence on it.
+    pub(crate) fn usual_unit(&self, input: &mut Input) -> Option<Message> {
+        let lengths = [self.length, self.offset.map(SolidOffset::distance)];
+        let has_unit = lengths.iter().any(|length| matches!(length, Some(Length::In(..))));
+        match &mut input.shape {
+            Shape::Scene(scene)
+                if has_unit && input.format == Format::Stl && scene.frame.metres_per_unit.is_none() =>
+            {
+                scene.frame.metres_per_unit = Some(MILLIMETRE);
+                let message = Message::from("an STL has no unit: its numbers were taken as millimetres; ");
+                Some(message.value(Setting::Unit, "cm").words(" and the like say otherwise"))
+            }
+            _ => None,
+        }
+    }
+
+    /// The offset and its distance.
+    ///
+    /// # Errors
+    /// If the shape has no triangles; as for [`Self::resolve`].
+    pub(crate) fn resolve_offset(&self, shape: &Shape) -> Result<Option<(SolidOffset, f64)>, MeshFailure> {
+        let Some(offset) = self.offset else { return Ok(None) };
+        if !matches!(shape, Shape::Scene(_)) {
+            let message = format!(
+                "only solids of triangles are offset or made hollow, and this is {}: in a script, offset(shape, distance) and \
+                 shell(shape, wall) are the same",
+                shape.kind()
+            );
+            return Err(MeshFailure::Usage(message.into()));
+        }
+        Ok(Some((offset, resolved(offset.distance(), shape)?)))
     }
 
     /// Checks that counts apply: polylines have segments and meshes have triangles.
@@ -130,6 +171,7 @@ impl BudgetSpec {
                 RequiredEvidence::ProvedOrMeasured
             }
             Shape::Field(_) => RequiredEvidence::Measured,
+            _ if self.offset.is_some() => RequiredEvidence::ProvedOrMeasured,
             _ => RequiredEvidence::Proved,
         })
     }
@@ -168,6 +210,16 @@ impl BudgetSpec {
         Ok((budget, note.map(Message::from)))
     }
 }
+
+/// A length in the units of a shape.
+fn resolved(length: Length, shape: &Shape) -> Result<f64, MeshFailure> {
+    let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
+    let resolved = length.resolve(diagonal, shape.frame().metres_per_unit);
+    Ok(resolved.map_err(MeshFailure::Length)?.get())
+}
+
+/// In metres.
+const MILLIMETRE: f64 = 1e-3;
 
 /// The default time after which the best result is taken. Chosen: nobody waits longer for a part without a sign of progress.
 const USUAL: Duration = Duration::from_secs(60);

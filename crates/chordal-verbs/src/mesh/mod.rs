@@ -4,6 +4,7 @@ pub(crate) mod cage;
 pub(crate) mod field;
 mod filled_regions;
 pub(crate) mod isosurface;
+pub(crate) mod offset;
 mod polylines;
 pub(crate) mod request;
 pub(crate) mod tessellate;
@@ -21,6 +22,7 @@ use chordal::{Job, convert};
 use chordal_io::Scene;
 use field::slack::NOT_COUNTED;
 use isosurface::SurfaceForm;
+use offset::offset_scene;
 use request::MeshRequest;
 
 /// Turns a shape into triangles within a budget, or curves into polylines if the format holds polylines.
@@ -45,12 +47,14 @@ use request::MeshRequest;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mesh(
-    input: Input,
+    mut input: Input,
     spec: &BudgetSpec,
     to: impl Into<OutputForm>,
     job: &Job,
 ) -> Result<MeshOutcome, MeshFailure> {
+    let spec = &spec.with_usual_length();
     let form: OutputForm = to.into();
+    let unit_note = spec.usual_unit(&mut input);
     let to = form.format;
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let lines = to.holds_polylines();
@@ -63,15 +67,16 @@ pub fn mesh(
     }
     spec.check_attributes(&input.shape)?;
     let solid = spec.solid(&input.shape, lines)?;
+    let offset = spec.resolve_offset(&input.shape)?;
     let mut certificate = Certificate::from_input(&input);
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
-    certificate.notes.extend(note);
+    certificate.notes.extend(unit_note.into_iter().chain(note));
     let request = MeshRequest::new(budget, form, input.shape.bounds()?)
         .with_spacing(spec.spacing)
         .with_effort(spec.effort);
     // The parts of a scene were put in order when they were simplified.
-    let are_all_new = !matches!(input.shape, Shape::Scene(_));
+    let are_all_new = offset.is_some() || !matches!(input.shape, Shape::Scene(_));
     let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
             return polylines::flatten_drawing(drawing, &request, certificate, job);
@@ -125,7 +130,13 @@ pub fn mesh(
                 spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
                 return finish_triangles(scene, bound, &request, certificate);
             }
-            simplify_scene(scene, &request, &mut certificate, job)?
+            match offset {
+                Some(offset) => {
+                    certificate.verb = VerbFacts::Offset { offset: offset.0.facts(offset.1) };
+                    offset_scene(&scene, offset, &request, &mut certificate.notes, job)?
+                }
+                None => simplify_scene(scene, &request, &mut certificate, job)?,
+            }
         }
     };
     // At the positions that will be written, and before rows are counted: hard edges double some rows.

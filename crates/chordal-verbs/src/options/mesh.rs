@@ -2,7 +2,7 @@
 use super::effort::{EffortOptions, effort, proof_effort};
 use super::values::{angle, count, count_from_0, length, texcoord_distance, word};
 use super::{ANGLE, COUNT, LENGTH, OptionRow, OptionSection, OptionTable, OptionValues, store, store_some};
-use crate::{BudgetSpec, Effort, Normals, Spacing, parse_time};
+use crate::{BudgetSpec, Effort, Normals, SolidOffset, Spacing, parse_time};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::proof::ProofEffort;
@@ -47,7 +47,8 @@ impl MeshOptions {
                 return Err(message.value(Setting::Px, 1));
             }
         };
-        Ok(BudgetSpec { pixels, effort: self.effort.unwrap_or_default(), ..self.budget })
+        let spec = BudgetSpec { pixels, effort: self.effort.unwrap_or_default(), ..self.budget };
+        Ok(spec.with_usual_length())
     }
 
     /// What is missing if there is no limit.
@@ -267,6 +268,25 @@ impl OptionTable for MeshOptions {
         )
         .needs("extrude")
         .under(OptionSection::Result),
+        OptionRow::<Self>::new(
+            "offset",
+            LENGTH,
+            "For a closed mesh: its surface moved outward by this distance, or inward if it is negative; 0.5mm, -0.5mm or 1% of \
+             the diagonal. The default tolerance is a twentieth of it",
+            |options, text| store_some(&mut options.budget.offset, SolidOffset::parse(text)),
+        )
+        .conflicts(&["extrude", "level"])
+        .under(OptionSection::Result)
+        .without_keyword(),
+        OptionRow::<Self>::new(
+            "hollow",
+            LENGTH,
+            "For a closed mesh: a cavity in it that leaves a wall of this thickness. The default tolerance is a twentieth of it",
+            |options, text| store_some(&mut options.budget.offset, length(text).map(SolidOffset::Hollow)),
+        )
+        .conflicts(&["extrude", "level", "offset"])
+        .under(OptionSection::Result)
+        .without_keyword(),
         OptionRow::<Self>::new(
             "level",
             (OptionValues::Count, "N"),

@@ -148,6 +148,7 @@ pub fn made_of(input: &Input, kind: &str, bound: &Bound) -> Result<Composed, Wri
         version: env!("CARGO_PKG_VERSION").to_owned(),
         inputs: vec![source],
         composed: None,
+        offset: None,
         output: StepOutput {
             kind: facts.kind.clone(),
             format: facts.format.clone(),

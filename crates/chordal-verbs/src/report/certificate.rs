@@ -107,6 +107,7 @@ impl Certificate {
                 (None, None) => vec![self.input.of_step()],
             },
             composed: composed.map(|composed| composed.facts().clone()),
+            offset: self.verb.offset().cloned(),
             output: StepOutput { kind: kind.to_owned(), format: format.to_string(), geometry },
             bound: self.bound.as_ref().map(StepBound::from_facts),
         };

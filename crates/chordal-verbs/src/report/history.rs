@@ -1,5 +1,5 @@
 //! The history of a result: every step since the first file, each with its bound, and their sum.
-use super::BoundFacts;
+use super::{BoundFacts, OffsetFacts};
 use crate::scene::placements::{IDENTITY, Matrix4, largest_stretch, smallest_stretch};
 use chordal::budget::{Bound, Evidence, Metric, Reference};
 use serde::{Deserialize, Serialize};
@@ -47,6 +47,9 @@ pub struct StepFacts {
     /// The places of the inputs, if they were moved, rotated, scaled or put next to each other before the step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub composed: Option<ComposedFacts>,
+    /// The other surface of the input that it wrote; its bound is against that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset: Option<OffsetFacts>,
     /// The file that it wrote.
     pub output: StepOutput,
     /// The bound of the output against the input; `None` if nothing is known of it.
@@ -349,6 +352,7 @@ mod tests {
             version: String::new(),
             inputs: vec![input],
             composed: None,
+            offset: None,
             output: StepOutput { kind: "triangles".into(), format: "ply".into(), geometry: None },
             bound: Some(StepBound::new(&Bound::proved(0.0, at_most, reference))),
         }

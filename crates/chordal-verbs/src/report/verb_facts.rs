@@ -1,7 +1,7 @@
 //! `VerbFacts`: the facts that one verb adds to those in the certificates of all.
 use super::{
-    AttributeFacts, BooleanFacts, DistanceGridFacts, LevelsFacts, OvershadeFacts, RefinementFacts,
-    RepairFacts, SmoothingFacts, ValidityFacts,
+    AttributeFacts, BooleanFacts, DistanceGridFacts, LevelsFacts, OffsetFacts, OvershadeFacts,
+    RefinementFacts, RepairFacts, SmoothingFacts, ValidityFacts,
 };
 use serde::Serialize;
 
@@ -21,6 +21,11 @@ pub enum VerbFacts {
         /// The attribute deviation.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         attributes: Vec<AttributeFacts>,
+    },
+    /// From `mesh` of another surface of triangles.
+    Offset {
+        /// The offset.
+        offset: OffsetFacts,
     },
     /// From `mesh` of several solids.
     Boolean {
@@ -71,6 +76,7 @@ impl VerbFacts {
             Self::Mesh {}
             | Self::Smoothed { .. }
             | Self::Simplified { .. }
+            | Self::Offset { .. }
             | Self::Boolean { .. }
             | Self::Overshade { .. } => "mesh",
         }
@@ -92,6 +98,12 @@ impl VerbFacts {
     #[must_use]
     pub fn boolean(&self) -> Option<&BooleanFacts> {
         if let Self::Boolean { boolean } = self { Some(boolean) } else { None }
+    }
+
+    /// The offset; only from `mesh` of one.
+    #[must_use]
+    pub fn offset(&self) -> Option<&OffsetFacts> {
+        if let Self::Offset { offset } = self { Some(offset) } else { None }
     }
 
     /// The distance grid; only from `bake`.

@@ -149,6 +149,14 @@ impl<'a> BoundJudge<'a> {
         }
     }
 
+    /// The triangles that were read and those that were written; `None` if one of both has none.
+    pub fn triangles(&self) -> Result<Option<[JudgedMesh; 2]>, MeshFailure> {
+        let (Shape::Scene(read), Shape::Scene(written)) = (&self.reference.shape, &self.result.shape) else {
+            return Ok(None);
+        };
+        Ok(Some([JudgedMesh::new(read.clone())?, self.result_triangles(written)?]))
+    }
+
     /// A lower bound for the distance of the triangles from their reference, from one point near both; `None` if no judge
     /// can evaluate a single point. The distances of the point itself are subtracted.
     pub fn seen_from(&self, p: [f64; 3], claimed: &Bound) -> Result<Option<f64>, MeshFailure> {
@@ -369,9 +377,16 @@ pub(super) fn conclude(
         Metric::OneSided => (backward.at_least, bound.at_most().map(|_| backward.at_most)),
         _ => (bound.at_least(), bound.at_most()),
     };
+    let bound = Bound::with_evidence(least, most, bound.evidence().clone(), bound.reference);
+    conclude_bound(&bound, moved, claimed)
+}
+
+/// A bound in the metric of the claim, with the displacement by transforms.
+pub(super) fn conclude_bound(bound: &Bound, moved: f64, claimed: &Bound) -> Result<JudgedBound, MeshFailure> {
+    let least = bound.at_least();
     let least = if moved == 0.0 { least } else { greater(sub_down(least, moved), 0.0) };
-    let most = most.map(|most| if moved == 0.0 { most } else { add_up(most, moved) });
-    let mut judged = Bound::with_evidence(least, most, bound.evidence().clone(), bound.reference);
+    let most = bound.at_most().map(|most| if moved == 0.0 { most } else { add_up(most, moved) });
+    let mut judged = Bound::with_evidence(least, most, bound.evidence().clone(), bound.reference.clone());
     judged.metric = claimed.metric;
     Ok(JudgedBound::Between(judged))
 }

@@ -9,6 +9,7 @@ mod composed_reference;
 mod counts;
 mod levels;
 mod normals;
+mod offset;
 mod steps;
 mod unchecked;
 

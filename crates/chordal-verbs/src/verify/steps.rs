@@ -3,6 +3,7 @@ use super::attributes::AttributeJudge;
 use super::bound_judge::{BoundJudge, JudgeLimit, JudgedBound};
 use super::claims::{ClaimFacts, ClaimList, ClaimVerdict};
 use super::composed_reference::ComposedReference;
+use super::offset::judge_offset;
 use crate::provenance::geometry_digest::{digest_in_frame, geometry_digest};
 use crate::provenance::origin::{InputOrigin, embedded_certificate, stated_frame};
 use crate::report::{ComposedFacts, HistoryFacts, HistoryStart, StepBound, StepFacts, StepInput, gap};
@@ -11,7 +12,7 @@ use chordal::Job;
 use chordal::budget::{Bound, Evidence};
 use chordal::math::{add_up, greater, lesser, sub_down};
 use chordal_io::Frame;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::cell::OnceCell;
 
 /// The name of the claims about the history of a file; names of claims about nested histories begin with it.
@@ -169,6 +170,11 @@ impl<'a> ProvedSteps<'a> {
                 super::baked::check_baked(baked, (ends.read, written), ends.rounding, claims, self.job)?;
             }
             if let Some(certificate) = self.certificate.filter(|_| next.is_none()) {
+                let offset = step.offset.as_ref().map(|offset| json!(offset));
+                if offset.is_some() || certificate.get("offset").is_some() {
+                    let is_same = certificate.get("offset") == offset.as_ref();
+                    claims.decide("offset", is_same, "it is another one than that of the last step");
+                }
                 // The input was put together in the frame that the certificate states, so that it confirms nothing.
                 let stating = [Some(written), Some(ends.read).filter(|_| step.composed.is_none())];
                 pass_frame(&frame, stating, claims);
@@ -313,6 +319,15 @@ impl<'a> ProvedSteps<'a> {
         // The bound is against a composition with its own rounding, and the judge has another composition.
         let bound = widened(&bound, ends.rounding);
         let judge = BoundJudge::new([ends.read, ends.written], frame, self.job);
+        if let Some(offset) = &step.offset {
+            let judged = match judge.triangles()? {
+                Some(meshes) => judge_offset(&meshes, offset, &bound, self.job)?,
+                None => JudgedBound::Unable("only triangles have an offset".to_owned()),
+            };
+            claims.add(verdict_on(claim, stated, &bound, (judged, false)));
+            // The lower end is what samples showed, and nothing is promised by it.
+            return Ok(false);
+        }
         let (judged, is_cut_short) = judge.judge_within(JudgeLimit::OF_CLAIM, &bound)?;
         let least = judged.at_least();
         claims.add(verdict_on(claim.clone(), stated, &bound, (judged, is_cut_short)));
@@ -325,8 +340,8 @@ impl<'a> ProvedSteps<'a> {
         let (Some(total), Some([first])) = (total, steps.first().map(|step| &step.inputs[..])) else {
             return Ok(());
         };
-        // The first input was moved, so that the distance to it is a different one.
-        let is_moved = steps[0].composed.is_some();
+        // The first input was moved, or has another surface, so that the distance to it is a different one.
+        let is_moved = steps[0].composed.is_some() || steps.iter().any(|step| step.offset.is_some());
         let Some(read) = self.find_input(first).filter(|_| steps.len() > 1 && !is_moved) else {
             return Ok(());
         };
@@ -454,6 +469,7 @@ fn check_kinds(name: &str, step: &StepFacts, (read, written): (&Input, &Input), 
         );
     }
     let reference = match (kind, written.shape.kind()) {
+        _ if step.offset.is_some() => "field",
         ("triangles", _) => "input triangles",
         ("patches", _) => "bezier patches",
         ("surfaces", _) => "nurbs surfaces",

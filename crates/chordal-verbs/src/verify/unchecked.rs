@@ -3,8 +3,8 @@ use super::claims::ClaimList;
 use serde_json::Value;
 
 /// The facts of a certificate that are proved or counted again, at least in part, or are claims that stay open.
-const CHECKED: [&str; 9] =
-    ["input", "frame", "bound", "output", "valid", "attributes", "baked", "history", "seal"];
+const CHECKED: [&str; 10] =
+    ["input", "frame", "bound", "output", "valid", "attributes", "baked", "offset", "history", "seal"];
 
 /// Facts about how a result was built, and not about the result itself: they are not checked.
 const ORIGIN_FACTS: [&str; 11] = [

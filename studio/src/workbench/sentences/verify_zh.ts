@@ -57,6 +57,10 @@ export const VERIFY_SENTENCES: Table = {
   "the triangles were never a file of their own": "这些三角形从来不是单独的文件。",
   // The bound
   "the claim has no upper bound": "声明没有上界。",
+  "the distance of the offset is no length": "偏移的距离不是有效长度。",
+  "the kind of the offset is not known": "偏移的种类未知。",
+  "it is another one than that of the last step": "与最后一步记录的不一致。",
+  "only triangles have an offset": "只有三角形才能偏移。",
   "the certificate claims no upper bound, so that there is nothing to prove": "证书没有声明上界，无可证明。",
   "the claim is for points of equal parameter, which the file does not hold": "声明是对参数相同的点而言的，文件中没有参数。",
   "the claim is for sides, and there is no judge for these": "声明是对内外而言的，无法评判。",
