@@ -40,8 +40,8 @@ export type Misses = Partial<Record<What, Readonly<Record<string, Miss>>>>;
 
 const TEXT = "every move writes the script anew, and asks for its draft";
 const FIELD = "a proof may evaluate the field as often as its mesh did";
-const CARD = "without a card the page waits for the processor to draw its first frame in space, or a still of thousands of shapes is replaced";
-const FRAME = "half of it is the frame, which the processor draws without a card";
+const CARD = "without a card the page waits for the processor to draw its first frame in space";
+const FRAME = "without a card the processor draws its frames, too";
 const valued = (why: string, values: Record<string, number>): Record<string, Miss> =>
   Object.fromEntries(Object.entries(values).map(([of, value]) => [of, { value, why }]));
 /** What misses its limit today, as it was measured last on a quiet machine without a graphics card, and why. */
