@@ -1,31 +1,12 @@
 //! `chordal mesh --union --minus --intersect`: solids combined from files, with what they carry.
 use crate::common;
 
-use common::{CLOSED_OBJ, Folder, OPEN_OBJ, TEAPOT, run};
+use common::{CLOSED_OBJ, Folder, OPEN_OBJ, TEAPOT, number, run, volume};
 use serde_json::Value;
 
 /// A box as an .obj, with a material.
 fn cuboid(low: [f64; 3], high: [f64; 3], material: &str) -> String {
-    let mut text = String::new();
-    for i in 0..8_usize {
-        let [x, y, z] = [0, 1, 2].map(|k| if i >> k & 1 == 1 { high[k] } else { low[k] });
-        text += &format!("v {x} {y} {z}\n");
-    }
-    text += &format!("usemtl {material}\n");
-    for [a, b, c, d] in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
-        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
-    }
-    text
-}
-
-fn number(report: &Value, at: &str) -> f64 {
-    report.pointer(at).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {at}: {report:#}"))
-}
-
-/// The signed volume of a written file.
-fn volume(path: &str) -> f64 {
-    let report = run(&["inspect", path, "--json"]).report();
-    number(&report, "/certificate/valid/volume")
+    format!("usemtl {material}\n{}", common::cuboid(low, high))
 }
 
 #[test]

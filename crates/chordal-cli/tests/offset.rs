@@ -1,29 +1,12 @@
 //! `chordal mesh --offset` and `--hollow`: another surface of a closed mesh, its report, and how it is proved again.
 use crate::common;
 
-use common::{Folder, run};
+use common::{Folder, number, run, volume};
 use serde_json::Value;
 
 /// A box of triangles with the low corner at 0.
 fn cuboid(high: [f64; 3]) -> String {
-    let mut text = String::new();
-    for i in 0..8_usize {
-        let [x, y, z] = [0, 1, 2].map(|k| if i >> k & 1 == 1 { high[k] } else { 0.0 });
-        text += &format!("v {x} {y} {z}\n");
-    }
-    for [a, b, c, d] in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
-        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
-    }
-    text
-}
-
-fn number(report: &Value, at: &str) -> f64 {
-    report.pointer(at).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {at}: {report:#}"))
-}
-
-/// The signed volume of a written file.
-fn volume(path: &str) -> f64 {
-    number(&run(&["inspect", path, "--json"]).report(), "/certificate/valid/volume")
+    common::cuboid([0.0; 3], high)
 }
 
 /// Runs `mesh`, checks the report's form, and returns it.
@@ -87,6 +70,21 @@ fn millimetres_of_an_stl_are_assumed_and_said() {
 }
 
 #[test]
+fn pixels_and_lattices_are_those_of_the_larger_result() {
+    let folder = Folder::new("offset-pixels");
+    let solid = folder.file("box.obj", cuboid([1.0; 3]));
+    let out = folder.text("out.glb");
+    // From the camera's place the result fills twice the angle of the solid.
+    let view = "1920x1080 fov=45 eye=9,0.5,0.5 target=0.5,0.5,0.5";
+    let report = meshed(&[&solid, "--offset", "4", "--px", "1", "--view", view, "--quantize", "-o", &out]);
+    assert!(number(&report, "/certificate/bound/pixels") <= 1.0, "{report:#}");
+    // The nearest point is 4 away, where a pixel is that long.
+    let pixel = 4.0 * 2.0 * (22.5_f64).to_radians().tan() / 1080.0;
+    assert!(number(&report, "/certificate/bound/at_most") <= 1.01 * pixel, "{report:#}");
+    run(&["verify", &out, "--against", &solid]).succeeds();
+}
+
+#[test]
 fn what_has_no_offset_is_said_in_a_sentence() {
     let folder = Folder::new("offset-refused");
     let solid = folder.file("box.obj", cuboid([3.0, 2.0, 1.0]));
@@ -102,6 +100,9 @@ fn what_has_no_offset_is_said_in_a_sentence() {
         (&[&solid, "--offset", "0"], "greater than 0"),
         (&[&solid, "--hollow=-1"], "greater than 0"),
         (&[&solid, "--hollow", "nan"], "a length is a number"),
+        // Nothing that was asked for is left out without a word.
+        (&[&solid, "--offset", "0.1", "--union", &solid], "of one solid"),
+        (&[&solid, "--offset", "0.1", "--tol", "0.01", "--angle", "5deg"], "takes a length or pixels"),
     ] {
         let made = run(&[&["mesh"][..], args, &["-o", &out]].concat());
         assert!(made.code != 0 && made.stderr.contains(part), "{args:?}: {}", made.stderr);

@@ -97,14 +97,18 @@ impl BudgetSpec {
         Self { length, ..*self }
     }
 
-    /// Takes the numbers of an STL, which has no unit, as millimetres if a length has a unit, as programs for printers do.
+    /// Takes the numbers of an STL, which has no unit, as millimetres if a length of an offset has a unit, as programs for
+    /// printers do.
     /// Returns a sentence on it.
     pub(crate) fn usual_unit(&self, input: &mut Input) -> Option<Message> {
         let lengths = [self.length, self.offset.map(SolidOffset::distance)];
         let has_unit = lengths.iter().any(|length| matches!(length, Some(Length::In(..))));
         match &mut input.shape {
             Shape::Scene(scene)
-                if has_unit && input.format == Format::Stl && scene.frame.metres_per_unit.is_none() =>
+                if self.offset.is_some()
+                    && has_unit
+                    && input.format == Format::Stl
+                    && scene.frame.metres_per_unit.is_none() =>
             {
                 scene.frame.metres_per_unit = Some(MILLIMETRE);
                 let message = Message::from("an STL has no unit: its numbers were taken as millimetres; ");
@@ -126,7 +130,18 @@ impl BudgetSpec {
                  shell(shape, wall) are the same",
                 shape.kind()
             );
-            return Err(MeshFailure::Usage(message.into()));
+            let message = Message::from(message);
+            return Err(MeshFailure::Usage(match shape {
+                Shape::Cage(_) => message
+                    .words("; ")
+                    .value(Setting::Surface, "faceted")
+                    .words(" reads a cage's polygons as triangles"),
+                _ => message,
+            }));
+        }
+        if self.angle_deg.is_some() || self.attributes.is_set() {
+            let message = "an offset has no normals and texture coordinates of its own to be near: it takes a length or pixels";
+            return Err(MeshFailure::refused(RefusalCode::Budget, message));
         }
         Ok(Some((offset, resolved(offset.distance(), shape)?)))
     }

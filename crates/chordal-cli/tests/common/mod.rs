@@ -3,6 +3,7 @@
 
 use chordal_testkit::corpus;
 pub use chordal_testkit::{Folder, names};
+use serde_json::Value;
 use std::process::{Command, Output, Stdio};
 
 /// The shipped teapot.
@@ -18,6 +19,29 @@ pub const OPEN_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 2 3 4
 
 /// A tetrahedron.
 pub const CLOSED_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// A box of triangles as an .obj.
+pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
+    let mut text = String::new();
+    for i in 0..8_usize {
+        let [x, y, z] = [0, 1, 2].map(|k| if i >> k & 1 == 1 { high[k] } else { low[k] });
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for [a, b, c, d] in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    text
+}
+
+/// A number of a report.
+pub fn number(report: &Value, at: &str) -> f64 {
+    report.pointer(at).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {at}: {report:#}"))
+}
+
+/// The signed volume of a written file.
+pub fn volume(path: &str) -> f64 {
+    number(&run(&["inspect", path, "--json"]).report(), "/certificate/valid/volume")
+}
 
 /// A file of `repro` in the test data: inputs that were handled badly. Nothing where there is no such folder.
 pub fn repro(name: &str) -> Option<String> {

@@ -151,6 +151,10 @@ fn check_request(spec: &BudgetSpec, form: OutputForm, first: &Input) -> Result<(
             .words(", and simplify the output");
         return Err(MeshFailure::Usage(message));
     }
+    if spec.offset.is_some() {
+        let message = "an offset is of one solid: write it to a file first, and combine that";
+        return Err(MeshFailure::Usage(message.into()));
+    }
     if spec.attributes.is_set() {
         let message = "attributes are carried exactly along a cut: limits on them are for simplification";
         return Err(MeshFailure::refused(RefusalCode::Budget, message));

@@ -18,11 +18,12 @@ use crate::simplify::simplify_scene;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, formats};
 use chordal::budget::RefusalCode;
 use chordal::budget::advice::Message;
+use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Job, convert};
 use chordal_io::Scene;
 use field::slack::NOT_COUNTED;
 use isosurface::SurfaceForm;
-use offset::offset_scene;
+use offset::{SolidOffset, offset_scene};
 use request::MeshRequest;
 
 /// Turns a shape into triangles within a budget, or curves into polylines if the format holds polylines.
@@ -72,7 +73,7 @@ pub fn mesh(
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
     certificate.notes.extend(unit_note.into_iter().chain(note));
-    let request = MeshRequest::new(budget, form, input.shape.bounds()?)
+    let request = MeshRequest::new(budget, form, reach_of(&input.shape, offset)?)
         .with_spacing(spec.spacing)
         .with_effort(spec.effort);
     // The parts of a scene were put in order when they were simplified.
@@ -146,6 +147,17 @@ pub fn mesh(
     }
     certificate.notes.extend(too_fine_note(&scene, &budget, job)?);
     finish_triangles(scene, bound, &request, certificate)
+}
+
+/// The box of a shape, or of its offset: pixels and lattices are for all of the result.
+fn reach_of(shape: &Shape, offset: Option<(SolidOffset, f64)>) -> Result<Box3, MeshFailure> {
+    let bounds = shape.bounds()?;
+    Ok(match offset {
+        Some((SolidOffset::Outward(_), by)) => {
+            Box3 { min: bounds.min.map(|x| sub_down(x, by)), max: bounds.max.map(|x| add_up(x, by)) }
+        }
+        _ => bounds,
+    })
 }
 
 /// Whether a shape needs a budget to become triangles: volumes have a resolution of their own, and triangles that only get

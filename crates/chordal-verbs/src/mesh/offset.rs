@@ -11,6 +11,7 @@ use chordal::budget::{Bound, Bounded, Failure, Length, RefusalCode};
 use chordal::check::{Facing, components};
 use chordal::explicit::Topology;
 use chordal::lod::mesh_to_offset;
+use chordal::math::{greater, lesser, sub_down};
 use chordal::mend::nesting::NestedShells;
 use chordal::mend::orient;
 use chordal::{Job, Mesh};
@@ -84,17 +85,18 @@ pub(super) fn offset_scene(
 ) -> Result<(Scene, Bound), MeshFailure> {
     let solid = one_mesh(scene, notes, job)?;
     let signed = if matches!(what, SolidOffset::Outward(_)) { by } else { -by };
-    let grown = request.with_reach(if signed > 0.0 { by } else { 0.0 });
     let mut parts_after = 0;
-    let converted = grown.run(job, |budget| {
+    let converted = request.run(job, |budget| {
         let moved = mesh_to_offset(&solid, signed, budget, job).map_err(|failure| in_words(failure, what));
         let mut joined = |bounded: Bounded<Mesh>| {
             parts_after = components(&bounded.shape, Topology::Indices).len();
-            let shape = match what {
-                SolidOffset::Hollow(_) => hollow(&solid, &bounded.shape),
-                _ => bounded.shape,
-            };
-            Bounded { shape, bound: bounded.bound }
+            let Bounded { shape, bound } = bounded;
+            match what {
+                SolidOffset::Hollow(_) => {
+                    Bounded { shape: hollow(&solid, &shape), bound: beside_the_solid(bound, by) }
+                }
+                _ => Bounded { shape, bound },
+            }
         };
         match moved {
             Ok(bounded) => Ok(joined(bounded)),
@@ -135,6 +137,15 @@ fn hollow(solid: &Mesh, cavity: &Mesh) -> Mesh {
     Mesh::new(positions, faces)
         .and_then(|mesh| mesh.with_position_id(ids))
         .expect("both meshes have rows in range")
+}
+
+/// The bound of a cavity, beside the solid's own surface: its lower end must not be farther than that surface.
+fn beside_the_solid(bound: Bound, wall: f64) -> Bound {
+    let least = lesser(bound.at_least(), greater(sub_down(wall, bound.at_least()), 0.0));
+    let (most, open) = (bound.at_most(), bound.open.clone());
+    let mut beside = Bound::with_evidence(least, most, bound.evidence().clone(), bound.reference);
+    beside.open = open;
+    beside
 }
 
 /// The reasons of the arrow, with the option that a user gave.

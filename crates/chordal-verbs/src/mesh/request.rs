@@ -80,6 +80,7 @@ impl MeshRequest {
     }
 
     /// The same request for a shape that may leave the box by a length.
+    #[cfg(feature = "booleans")]
     pub fn with_reach(self, length: f64) -> Self {
         let Box3 { min, max } = self.reach;
         Self { reach: Box3 { min: min.map(|x| x - length), max: max.map(|x| x + length) }, ..self }

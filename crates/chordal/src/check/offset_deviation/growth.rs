@@ -161,17 +161,14 @@ impl FaceWay {
         }
         let (corners, _) = source.bvh.triangle_of(row);
         let way = difference(at, nearest_on_triangle(at, corners));
-        // A point of a convex set that is hardly farther than the nearest one is near that: |q − q*|² ≤ |p − q|² − |p − q*|².
+        // A point of a convex set that is hardly farther than the nearest one is near that:
+        // |q − q*|² ≤ |p − q|² − |p − q*|².
         let largest = corners.as_flattened().iter().chain(&at).fold(0.0, |most, x| greater(most, x.abs()));
         // The nearest point and the difference have fewer roundings than that.
         let rounding = 64.0 * f64::EPSILON * largest;
         let up = add_up(length_up(way), rounding);
         let off = add_up(sub_up(mul_up(up, up), mul_down(down, down)).sqrt().next_up(), rounding);
         if off.is_finite() { Ok(Some(Self { way, off })) } else { Err(NotFinite) }
-    }
-
-    fn way(&self) -> [f64; 3] {
-        self.way
     }
 }
 
@@ -195,8 +192,9 @@ fn grows(middle: [f64; 3], radius: f64, distance_up: f64, source: &OffsetSource)
         return false;
     }
     // The nearest way's direction, turned towards those that it does not suit.
-    let nearer = |a, b| if length(FaceWay::way(b)) < length(FaceWay::way(a)) { b } else { a };
-    let Some(first) = ways.iter().reduce(nearer) else { return false };
+    let Some(first) = ways.iter().reduce(|a, b| if length(b.way) < length(a.way) { b } else { a }) else {
+        return false;
+    };
     let Some(mut direction) = unit(first.way) else { return false };
     for _ in 0..STEPS {
         let spare = |way: &FaceWay| dot(way.way, direction) - way.off;

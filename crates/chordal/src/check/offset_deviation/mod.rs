@@ -1,10 +1,12 @@
 //! How far a mesh is from the surface at a given distance from another mesh, proved.
 //!
-//! Let S be a closed mesh, Ω the points around which it winds more than 0 times, r > 0. For an offset outward the *free* points are those
-//! outside of Ω with a distance to S above r, for an offset inward those inside; the *near* points are all points on the
-//! other side, and those with a distance below r. The offset surface L is the common boundary of both sets.
+//! Let S be a closed mesh, Ω the points around which it winds more than 0 times, r > 0. For an offset outward the *free*
+//! points are those outside of Ω with a distance to S above r, for an offset inward those inside; the *near* points are
+//! all points on the other side, and those with a distance below r. The offset surface L is the common boundary of both
+//! sets.
 //!
-//! **Lemma.** Let M be a closed oriented triangle mesh, closed by its rows, M⁺ and M⁻ copies of it whose vertices are displaced by t at most.
+//! **Lemma.** Let M be a closed oriented triangle mesh, closed by its rows, M⁺ and M⁻ copies of it whose vertices are
+//! displaced by t at most.
 //! If
 //! 1. all points of M⁺ are free, and all points of M⁻ are near,
 //! 2. M⁺ winds a times around a vertex of each connected part of S,

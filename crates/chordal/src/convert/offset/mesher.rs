@@ -5,7 +5,7 @@ use super::octree::{FINEST, Octree};
 use crate::budget::{Job, JobError, par_map};
 use crate::explicit::Mesh;
 use crate::math::{Box3, greater};
-use std::collections::{BTreeSet, HashSet}; // the set has no order
+use std::collections::{BTreeSet, HashSet}; // of no order that is seen
 
 /// The size of the finest cells as a share of the tolerance. Chosen: a crease through them is off by less.
 const FINEST_SHARE: f64 = 0.5;
@@ -18,7 +18,7 @@ const POINTS: [[f64; 3]; 4] =
 const TASK: usize = 64;
 
 /// The corners of triangles, by their bits. No result depends on the order of the hash set: it is asked, and not listed.
-type NearTriangles = HashSet<[[u64; 3]; 3]>; // no order
+type NearTriangles = HashSet<[[u64; 3]; 3]>; // of no order that is seen
 
 /// Makes triangles of the surface at a distance from a solid.
 pub(crate) struct OffsetMesher {
