@@ -91,6 +91,7 @@ fmt-check: need-rust
 
 lint: need-rust need-python
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+	$(CARGO) clippy -p chordal-wasm --no-default-features --features exhibits --locked -- -D warnings
 
 # Everything with the oldest compiler that Cargo.toml promises. Only what compiles: lints differ between versions.
 OLDEST = $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)

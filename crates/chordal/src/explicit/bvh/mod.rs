@@ -23,7 +23,6 @@ use frame::BvhFrame;
 
 pub use closest::MeshClosestPoint;
 pub(crate) use inside::WindingMoments;
-#[cfg(feature = "booleans")]
 pub(crate) use inside::is_closed;
 pub use inside::{Containment, Enclosure, PointLocation};
 pub(crate) use lids::{OpenEdge, open_edges};
